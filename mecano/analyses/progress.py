@@ -32,7 +32,7 @@ class Messages:
         self.quiet, self.path, self.terminal = quiet, path, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
         self.compiled = compile_time()
-        self.announced = False
+        self.announced, self.tenths = False, 0
 
     def announcing_compiling(self) -> "AbstractContextManager[None]":
         """Within the block, print a note before the first function is compiled, and show the number compiled."""
@@ -54,6 +54,16 @@ class Messages:
                 f"mecano: {text}", width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )
             self._say("\n".join(lines) + "\n")
+
+    def show(self, share: float, numbers: str, by_tenths: bool = True) -> None:
+        """Show the ``share`` of the work done: a bar on a terminal, otherwise a line for each tenth."""
+        now = time.monotonic()
+        if self.terminal and now - self.drawn >= INTERVAL:
+            self.drawn = now
+            self._say(f"\r[{_bar(share)}] {numbers}\x1b[K")
+        elif not self.terminal and by_tenths and int(LINES * share) > self.tenths:
+            self.tenths = int(LINES * share)
+            self._say(f"{numbers}\n")
 
     def finished(self, text: str) -> None:
         """Print the last lines: ``text``, elapsed time, results file."""
@@ -80,7 +90,7 @@ class Progress(Messages):
 
     def __init__(self, values: "Values", quiet: bool, path: str | os.PathLike[str]):
         super().__init__(quiet, path)
-        self.start, self.end, self.tenths = values["start"], values["end"], 0
+        self.start, self.end = values["start"], values["end"]
         late = max(abs(self.start), abs(self.end)) / (self.end - self.start)
         self.digits = 4 + int(math.log10(late))  # of times, enough to show a hundredth of the run
         self.first: tuple[float, float] | None = None  # wall-clock time [s] and share of the run at the first call
@@ -91,12 +101,7 @@ class Progress(Messages):
             return
         now, share = time.monotonic(), (run.motion.t - self.start) / (self.end - self.start)
         self.first = self.first or (now, share)
-        if self.terminal and now - self.drawn >= INTERVAL:
-            self.drawn = now
-            self._say(f"\r[{_bar(share)}] {self._numbers(run, now, share, *self.first)}\x1b[K")
-        elif not self.terminal and int(LINES * share) > self.tenths:
-            self.tenths = int(LINES * share)
-            self._say(f"{self._numbers(run, now, share, *self.first)}\n")
+        self.show(share, self._numbers(run, now, share, *self.first))
 
     def _numbers(self, run, now, share, begun, first):
         text = f"t = {run.motion.t:.{self.digits}g} of {self.end:.{self.digits + 2}g} s, step {run.h:.2g} s"
@@ -151,23 +156,14 @@ class SweepProgress(Messages):
     LONG = 50  # states
     WHAT = "states"
 
-    def __init__(self, quiet: bool, path: str | os.PathLike[str]):
-        super().__init__(quiet, path)
-        self.tenths = 0
-
     def __call__(self, done: int, total: int, text: str) -> None:
         """Show the number of states computed, the last of them, and the estimated remaining time."""
-        now, share = time.monotonic(), done / total
-        left = (now - self.begun) * (1 - share) / share
-        numbers = f"{done} of {total} {self.WHAT}, {text}, {left:.0f} s left"
         if self.quiet:
             return
-        if self.terminal and now - self.drawn >= INTERVAL:
-            self.drawn = now
-            self._say(f"\r[{_bar(share)}] {numbers}\x1b[K")
-        elif not self.terminal and total >= self.LONG and int(LINES * share) > self.tenths:
-            self.tenths = int(LINES * share)
-            self._say(f"{numbers}\n")
+        share = done / total
+        left = (time.monotonic() - self.begun) * (1 - share) / share
+        numbers = f"{done} of {total} {self.WHAT}, {text}, {left:.0f} s left"
+        self.show(share, numbers, by_tenths=total >= self.LONG)
 
     def done(self, total: int) -> None:
         """Print the last lines."""
