@@ -127,7 +127,7 @@ def _wide(deck, size):
 
 def _turned(deck, system, s):
     """Yield warnings about motors whose initial angle differs by full turns from that of their hinge."""
-    motors, hinges = (_angles(deck, system, s, turns) for turns in (BY_COMMAND, FREELY))
+    motors, hinges = (_angles(system, s, turns) for turns in (BY_COMMAND, FREELY))
     of_pair = {frozenset(deck.values["joints"][name]["nodes"]): name for name in hinges}
     for name, wanted in motors.items():
         d = deck.values["joints"][name]
@@ -142,7 +142,7 @@ def _turned(deck, system, s):
             yield Problem(text, deck.mark("joints", name))
 
 
-def _angles(deck, system, s, turns):
+def _angles(system, s, turns):
     """Return {name: angle [rad]} of the joints of kinds that declare ``turns``."""
     kinds = [b for b in system.batches if b.kind.turns == turns]
     outputs = system.observe(s).outputs if kinds else None

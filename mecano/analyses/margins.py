@@ -146,7 +146,7 @@ def _find(deck, request):
     turning = angular_velocity_of(system, base.state, request.frame)
     closed = plant_of(changed, base, [one], [Output(one.name, "", (one.signal,))], turning)
     loop = opened(closed, place_of(system, one.signal)[0], unknowns_of(system, one.signal))
-    _refuse_without_loop(request, changed, system, closed, loop, one.signal)
+    _refuse_without_loop(request, changed, system, closed, loop)
     periods = {name: d["period"] for name, d in deck.values["signals"].items() if d["type"] == "sample_and_hold"}
     found = call_interruptibly(_margins, closed, loop, request, one.signal, periods)
     warnings = [
@@ -156,7 +156,7 @@ def _find(deck, request):
     return Margins(signal=request.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found[0])
 
 
-def _refuse_without_loop(request, deck, system, closed, loop, signal):
+def _refuse_without_loop(request, deck, system, closed, loop):
     """Raise UsageError if what reads a signal does not act back on it."""
     H = TransferFunction(loop)
     for omega in request.grid[[0, len(request.grid) // 2, -1]]:

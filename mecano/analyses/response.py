@@ -165,7 +165,7 @@ def _find(deck, request, to_export):
     warnings = [
         *state_warnings(changed, base, plant, turning, "the response"),
         *slow_response_warnings(plant.lin, float(omegas.min())),
-        *_without_effect(plant, inputs, values, request),
+        *_without_effect(plant, inputs, values),
         *inaccurate(error),
     ]
     units = system.signal_units
@@ -268,7 +268,7 @@ def static_gains(H: Callable[[complex], np.ndarray], lowest: float) -> np.ndarra
     return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
 
 
-def _without_effect(plant, inputs, values, request) -> Iterator[str]:
+def _without_effect(plant, inputs, values) -> Iterator[str]:
     """Yield warnings about inputs that nothing reads, and about pairs without a connection."""
     for j, one in enumerate(inputs):
         if not any(q[:, j].any() for q in plant.inputs) and j not in [number for _, number, _ in plant.late_inputs]:
