@@ -195,7 +195,7 @@ class Instance:
 
     def observe(self, t: float, state: Local, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return outputs (n_outputs,) and energies (4,)."""
-        n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
+        n = sum(output.size for output in self.kind.outputs)
         y, e = np.zeros(n + BEYOND), np.zeros(4)
         if self.kind.observe is not None:
             self.run("observe", t, state, F, y, e)

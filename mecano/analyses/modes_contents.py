@@ -89,21 +89,18 @@ def _inside(elements, system, s):
     """Return the positions (k, 3) [m] of the nodes inside each superelement in state ``s``."""
     found, outputs = {}, system.observe(s).outputs
     for b in system.batches:
-        ends = np.cumsum([int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs])
-        places = dict(zip((output.name for output in b.kind.outputs), ends, strict=True))
-        widths = {output.name: output.shape for output in b.kind.outputs}
+        ends = np.cumsum([output.size for output in b.kind.outputs])
+        places = {o.name: (slice(end - o.size, end), o.shape) for o, end in zip(b.kind.outputs, ends, strict=True)}
         for (path, _), y in zip(b.paths, b.outputs(outputs), strict=True):
             section, _, name = path.partition("/")
             if section == "elements" and nodes_inside(elements.get(name, {})):
-                found[name] = recovered(elements[name], _reading(y, places, widths)).positions[0]
+                found[name] = recovered(elements[name], _reading(y, places)).positions[0]
     return found
 
 
-def _reading(y, ends, widths):
-    """Return a function that gives an output by name, with a time axis of length 1, from the row ``y``."""
+def _reading(y, places):
+    """Return a function that gives an output by name, with a time axis of length 1, from the row ``y``.
 
-    def value(output):
-        size = int(np.prod(widths[output], dtype=int))
-        return y[ends[output] - size : ends[output]].reshape(1, *widths[output])
-
-    return value
+    ``places`` are the slices and shapes of the outputs by name.
+    """
+    return lambda output: y[places[output][0]].reshape(1, *places[output][1])

@@ -84,7 +84,7 @@ def _check_sensors(instance, motion, measured, names):
 
 def output_of_numbers(kind: Kind) -> list[Output]:
     """Return, for each number that ``observe`` writes, the output to which it belongs."""
-    return [output for output in kind.outputs for _ in range(int(np.prod(output.shape, dtype=int)))]
+    return [output for output in kind.outputs for _ in range(output.size)]
 
 
 def sensor_of(instance: Instance, index: int) -> Instance:

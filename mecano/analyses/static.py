@@ -84,8 +84,7 @@ def _outputs_of_loads(system):
     found = np.zeros(system.n_outputs, bool)
     for b in system.batches:
         if is_scaled(b):
-            sizes = [int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs]
-            units = np.repeat([output.unit for output in b.kind.outputs], sizes)
+            units = [output.unit for output in b.kind.outputs for _ in range(output.size)]
             b.outputs(found)[:] = np.isin(units, OF_LOADS)
     return np.flatnonzero(found)
 

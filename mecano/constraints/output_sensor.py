@@ -9,8 +9,6 @@ outputs that depend on them are ``Kind.hidden``.
 
 from functools import cache
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.element_interface import Kind, Row, with_fields
 from mecano.jit.kernel import kernel
@@ -29,7 +27,7 @@ def output_sensor(kind, n_multipliers):
     row, observe = 3 * len(kind.layout) + len(kind.scalars) + len(kind.inputs) + n_multipliers, kind.observe
     for phase, outputs in kind.idle.items():
         observe = _idle(observe, kind.phases.index(phase), outputs)
-    n_outputs = sum(int(np.prod(output.shape, dtype=int)) for output in kind.outputs)
+    n_outputs = sum(output.size for output in kind.outputs)
     n_forces = 3 * len(kind.layout)
 
     @kernel

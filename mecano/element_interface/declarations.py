@@ -1,5 +1,6 @@
 """Declarations of a Kind: outputs, constraint equations, events, measured coordinates, display."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from mecano.immutable import immutable
@@ -28,6 +29,11 @@ class Output:
     rate: str = ""
     wraps: bool = False
     geometric: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return math.prod(self.shape)
 
 
 @immutable

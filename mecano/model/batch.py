@@ -60,7 +60,7 @@ class Batch:
         self.seeded = np.zeros(4 * n + 9 * n_rotations, DUAL)
         self.F = np.zeros((self.output_slots.shape[1], lanes))
         self.groups = _of_groups(self.p) if kind.by_lanes else self.p[:0]
-        self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
+        self.n_outputs = sum(output.size for output in kind.outputs)
         self.y, self.energies = np.zeros((self.n_outputs, lanes)), np.zeros((4, lanes))
         self.n_events = len(kind.events)
         self.idle = np.zeros((len(kind.phases), 1 + self.n_outputs), np.int64)  # flags: the phase, vanishing outputs

@@ -3,8 +3,6 @@
 A vector ``force`` has the components ``force.x``, ``force.y``, ``force.z``; ``force.magnitude`` is its length.
 """
 
-import numpy as np
-
 from mecano.element_interface import Kind, Output
 from mecano.schema import Values
 
@@ -53,5 +51,5 @@ def index_of(what: str, kind: Kind, label: str = "") -> int | None:
         names = components(output, label)
         if what in names:
             return start + names.index(what)
-        start += int(np.prod(output.shape, dtype=int))
+        start += output.size
     return None
