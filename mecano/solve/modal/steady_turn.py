@@ -19,6 +19,7 @@ import numpy as np
 from mecano.maths.vector import skew
 from mecano.solve.modal.free_spins import roll, turning, unturned
 from mecano.solve.modal.steady_rotation import Rotation
+from mecano.solve.modal.straight_running import Straight
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -36,15 +37,8 @@ class Turn(Rotation):
         "docs/tyres.md; a speed at which the tyres hold"
     )
 
+    drift, follow = Straight.drift, Straight.follow
     axles = None  # (n_q, spins) free spins of the last state, which hardly change
-
-    def drift(self, shift: np.ndarray) -> np.ndarray:
-        """Return the translation (3,) [m] that is no change of shape: the mean of the displacements (n, 3) of nodes."""
-        return shift.mean(axis=0)
-
-    def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
-        """Return (``s``, False): there is no alternative to Newton's method, which ended at ``s``."""
-        return s, False
 
     def impose(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with the velocities that belong to its positions and rolling wheels, N, its Tangent)."""

@@ -55,9 +55,8 @@ class Follower:
 
     statics: Statics
     observers: Sequence[Observer] = ()
-    ended: "Callable[[State, Observation], str]" = lambda state, observation: (
-        ""
-    )  # text on an element that ends the run there, "" if none
+    ended: "Callable[[State, Observation], str]" = lambda state, observation: ""
+    """text on an element that ends the run at an equilibrium, "" if none"""
     stability_test: StabilityTest = field(init=False)
     losses: list[str] = field(default_factory=list)  # points at which stability was lost
     departures: list[str] = field(default_factory=list)  # unstable equilibria that were left
