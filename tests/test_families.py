@@ -16,8 +16,8 @@ from mecano.results.modes_file import read_modes
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
-from mecano.solve.modal.modes import solve
-from mecano.solve.modal.tracking import damping, least_damped
+from mecano.solve.modal.modes import damping, solve
+from mecano.solve.modal.tracking import least_damped
 
 
 def block(velocity):

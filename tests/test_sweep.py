@@ -29,8 +29,8 @@ from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.critical import critical
-from mecano.solve.modal.modes import solve
-from mecano.solve.modal.tracking import Spectrum, growing, loci, track, unstable
+from mecano.solve.modal.modes import solve, unstable
+from mecano.solve.modal.tracking import Spectrum, growing, loci, track
 
 G = 9.81
 

@@ -10,8 +10,7 @@ from mecano.analyses.operating_point import OperatingPoint
 from mecano.model.numbering import TRANSLATION
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import RESTING, Linearization
-from mecano.solve.modal.modes import CONVERGED
-from mecano.solve.modal.tracking import unstable
+from mecano.solve.modal.modes import CONVERGED, unstable
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck

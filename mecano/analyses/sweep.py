@@ -24,8 +24,8 @@ from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
 from mecano.solve.modal.critical import Critical, branch_end, critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
-from mecano.solve.modal.modes import solve
-from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
+from mecano.solve.modal.modes import solve, unstable
+from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track
 from mecano.solve.modal.whirl import Resonance, resonances, whirling
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ import numpy as np
 from mecano.post.text_table import aligned
 from mecano.results.sweep_file import whirl_word
 from mecano.solve.modal.families import FAMILIES
-from mecano.solve.modal.tracking import damping, least_damped
+from mecano.solve.modal.modes import damping
+from mecano.solve.modal.tracking import least_damped
 
 if TYPE_CHECKING:
     from mecano.analyses.sweep import Sweep

@@ -13,7 +13,8 @@ from typing import TypeAlias
 import numpy as np
 
 from mecano.maths.root import root
-from mecano.solve.modal.tracking import GROWS, Spectrum, unstable
+from mecano.solve.modal.modes import GROWS, unstable
+from mecano.solve.modal.tracking import Spectrum
 
 TOLERANCE = 1e-11  # of the value of the parameter
 BISECTIONS = 60

@@ -18,8 +18,7 @@ import scipy.sparse as sp
 
 from mecano.solve.modal.encirclements import encirclements
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
-from mecano.solve.modal.modes import DENSE, solve
-from mecano.solve.modal.tracking import unstable
+from mecano.solve.modal.modes import DENSE, solve, unstable
 
 if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization

@@ -7,7 +7,7 @@ checked by its residual in the equations above, relative to the magnitudes of th
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -56,8 +56,7 @@ class Modes:
     @property
     def damping_ratio(self) -> np.ndarray:
         """Minus the real part over the modulus (m,); nan for free motions."""
-        size = np.abs(self.values)
-        return np.where(size > 0.0, -self.values.real / np.where(size > 0.0, size, 1.0), np.nan)
+        return damping(self.values)
 
     @property
     def converged(self) -> np.ndarray:
@@ -73,10 +72,24 @@ class Modes:
 def _kind(value):
     if value == 0.0:
         return "free"
-    grows = value.real > GROWS * abs(value)
     if value.imag:
-        return "flutter" if grows else "oscillation"
-    return "divergence" if grows else "decay"
+        return "flutter" if unstable(value) else "oscillation"
+    return "divergence" if unstable(value) else "decay"
+
+
+@overload
+def unstable(value: np.ndarray) -> np.ndarray: ...
+@overload
+def unstable(value: complex) -> bool: ...
+def unstable(value: complex | np.ndarray) -> bool | np.ndarray:
+    """Return whether an eigenvalue (or each of an array) is unstable, beyond rounding."""
+    return np.real(value) > GROWS * np.abs(value)
+
+
+def damping(values: complex | np.ndarray) -> np.ndarray:
+    """Return the damping ratios of eigenvalues; nan where they are nan or zero."""
+    size = np.abs(values)
+    return -np.real(values) / np.where(size > 0.0, size, np.nan)
 
 
 def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> Modes:

@@ -5,16 +5,18 @@ Both eigenvalues of a conjugate pair are tracked, so that pairs can split into r
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self, overload
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+
+from mecano.solve.modal.modes import damping, unstable
 
 if TYPE_CHECKING:
     from mecano.solve.modal.modes import Modes
 
 SHAPE = 0.5  # weight of a change of shape relative to a change of eigenvalue
-GROWS = 1e-7  # of an eigenvalue: positive real part above which it is unstable
+
 ALIKE = 1e-9  # damping ratios that differ less are equal
 ROUNDED = 1e-12  # of the largest eigenvalue: smaller ones count as zero
 
@@ -67,21 +69,6 @@ class Spectrum:
     def nearest(self, value: complex, shape: np.ndarray) -> int:
         """Return the index of the eigenpair most similar to ``value`` with ``shape``."""
         return int(np.argmin(self.costs(value, shape, float(np.abs(self.values).max()))))
-
-
-@overload
-def unstable(value: np.ndarray) -> np.ndarray: ...
-@overload
-def unstable(value: complex) -> bool: ...
-def unstable(value: complex | np.ndarray) -> bool | np.ndarray:
-    """Return whether an eigenvalue (or each of an array) is unstable, beyond rounding."""
-    return np.real(value) > GROWS * np.abs(value)
-
-
-def damping(values: complex | np.ndarray) -> np.ndarray:
-    """Return the damping ratios of eigenvalues; nan where they are nan or zero."""
-    size = np.abs(values)
-    return -np.real(values) / np.where(size > 0.0, size, np.nan)
 
 
 def least_damped(values: np.ndarray, least: float | np.ndarray = 0.0) -> int:
