@@ -167,6 +167,15 @@ def test_cardan_joint(verify):
         verify(M, f"cardan joint: output angle, step {h:.2g} s [rad]", angle, CARDAN_ANGLE, LINKS, absolute=2e-10)
         ratios.append(at_times(recorded, recorded["joints/bearing_2/rate"], np.arange(1, 13) / 12) / (2 * np.pi))
     verify.second_order(M, "cardan joint: ratio of the rates [-]", *ratios, CARDAN_RATIO, 1e-9, LINKS)
+    even = recorded["joints/bearing_3/angle"].ravel()
+    source = "both shafts turn alike"
+    verify(M, "constant-velocity joint: output angle [rad]", even, 2 * np.pi * recorded.time, source, absolute=1e-9)
+    bending = 10.0 * np.tan(np.radians(15.0))
+    moment, source = recorded["joints/rzeppa/moment"][1:], "moment along the line that halves the angle of the shafts"
+    np.testing.assert_allclose(moment[:, 2], 10.0, rtol=1e-7)
+    found = np.hypot(moment[:, 0], moment[:, 1])
+    verify(M, "constant-velocity joint: bending moment [N m]", found, bending, source, relative=1e-7)
+    np.testing.assert_allclose(recorded["joints/rzeppa/bend"], np.pi / 6, rtol=1e-9)
 
 
 # every 45 degrees of the crank from 45 to 360

@@ -21,7 +21,7 @@ from mecano.constraints.of_coordinates import (
     TWIST_LAW,
     law_part,
 )
-from mecano.constraints.triads import triad
+from mecano.constraints.triads import triad, turned_onto
 from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import law_force
@@ -47,6 +47,8 @@ AXIS_1 = Field(
     "direction of mu_1 at the start, inertial, made perpendicular to the axis; when absent, the inertial axis most "
     "perpendicular to it", None,
 )  # fmt: skip
+
+AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
 
 
 def law_fields(axes):
@@ -180,6 +182,13 @@ def put_reactions(p, at, F, y, i):
 def axis_place(d, nodes, context):
     """Return {mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``: its ``prepare``."""
     return triads_together(nodes, triad(d["axis"], d["axis_1"]))
+
+
+def bent_place(d, nodes, context):
+    """Return the same with ``axis_b``: the axes of b are those of a, turned from the axis of a to that of b."""
+    mu = triad(d["axis"], d["axis_1"])
+    axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
+    return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
 
 
 def triads_together(nodes, mu, xi=None):

@@ -13,6 +13,7 @@ EXAMPLES = {
     "rigid_link": "arm: {type: rigid_link, nodes: [crank, pin]}",
     "hinge": "elbow: {type: hinge, nodes: [crank, rod], axis: [0, 1, 0], stops: {lower: -30 deg, upper: 120 deg}}",
     "spherical": "ball: {type: spherical, nodes: [crank, rod]}",
+    "constant_velocity": "rzeppa: {type: constant_velocity, nodes: [crank, rod], axis: [1, 0, 0], axis_b: [1, 0, 0.2]}",
     "universal": "cross: {type: universal, nodes: [crank, rod], axis_a: [1, 0, 0], axis_b: [0, 1, 0]}",
     "cylindrical": "sleeve: {type: cylindrical, nodes: [ground, slider], axis: [1, 0, 0]}",
     "prismatic": "guide: {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0]}",

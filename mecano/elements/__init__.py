@@ -10,6 +10,7 @@ MODULES = {
     "hinge": "joints.hinge",
     "spherical": "joints.spherical",
     "universal": "joints.universal",
+    "constant_velocity": "joints.constant_velocity",
     "cylindrical": "joints.cylindrical",
     "prismatic": "joints.prismatic",
     "planar": "joints.planar",

@@ -18,8 +18,6 @@ multiplier, or the replacing law, for each axis. The outputs force and moment in
 friction have outputs of their own.
 """
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import TURNING
@@ -27,9 +25,8 @@ from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_rec
 from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, rotation
-from mecano.constraints.pair import triads_together
+from mecano.constraints.pair import AXIS_B, bent_place
 from mecano.constraints.release import SAMPLE
-from mecano.constraints.triads import triad, turned_onto
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -38,7 +35,6 @@ from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
-AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
 RADIUS = radius("radius", "radius of the bearing")
 COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.0)
 
@@ -48,13 +44,6 @@ def _put_reactions(p, at, F, y, i):
     """Write the force on b that its shared position hides, and the moment of two multipliers."""
     put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
     put(y, i + 3, (-number(at.q[13]), number(at.q[12]), 0.0))
-
-
-def _place(d, nodes, context):
-    """Return the axes of both nodes; those of b are mu_1, mu_2, mu_3 rotated from the axis of a to that of b."""
-    mu = triad(d["axis"], d["axis_1"])
-    axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
-    return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
 
 
 def sample(rng):
@@ -88,7 +77,7 @@ HINGE = sharing_pair(
             friction_option(HINGE_FRICTION, hinge_friction_record, RADIUS, COLLAR, LENGTH),
         ),
         fields=(AXIS_B,),
-        place=_place,
+        place=bent_place,
     ),
     Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), check_one_place),
     sample,
