@@ -92,7 +92,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "fixed rigid_link", "to fix a node in space write 'fixed: true'"
     ),
     "gimbal, cardan, cardan joint, hooke, hooke joint, u joint, universal joint": ("universal", ""),
-    "constant velocity, cv, convel, homokinetic, rzeppa, tripod, half shaft, drive shaft": ("constant_velocity universal", ""),
+    "constant velocity, cv, convel, homokinetic, rzeppa, tripod, half shaft, drive shaft": (
+        "constant_velocity universal", "",
+    ),
     "plane joint, planar joint": ("planar", ""),
     "roller, roller support, inplane, in plane, point on plane, point in plane": (
         "prescribed_position generic planar",
