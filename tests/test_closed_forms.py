@@ -146,6 +146,19 @@ def test_what_the_parts_of_the_thruster_feel():
     assert recorded["energy/given"][-1] == pytest.approx(recorded["energy/total"][-1], rel=1e-4)
 
 
+def test_a_puck_is_pushed_by_a_turning_magnet(verify):
+    """A force that turns at 2 rad/s, and the moment of its reaction on the table."""
+    times, source = np.arange(1, 11) / 2, "cycloid, the force turning at a constant rate"
+    x, y = 0.5 * (1.0 - np.cos(2.0 * times)), 0.5 * (2.0 * times - np.sin(2.0 * times))
+    coarse, fine = pair("magnetic_push", lambda m: m["nodes/puck/position"][:, :2], times, 0.02)
+    what = "puck pushed by a turning magnet: "
+    verify.second_order(V, what + "place [m]", coarse, fine, np.stack([x, y], axis=1), 1e-7, source)
+    moment = x * np.sin(2.0 * times) - y * np.cos(2.0 * times)
+    coarse, fine = pair("magnetic_push", lambda m: m["joints/motor/moment"], times, 0.02)
+    what += "moment of the motor [N m]"
+    verify.second_order(V, what, coarse.ravel(), fine.ravel(), moment, 1e-7, source)
+
+
 def strut_motion(times):
     """Stroke (n,) of the strut at ``times``, and when it is at the stop."""
 

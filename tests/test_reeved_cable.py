@@ -286,3 +286,32 @@ def test_a_swinging_block_and_tackle():
         ends = [m[f"nodes/{name}/position"][-1] for name in ("block", "weight")]
         errors.append(np.abs(np.array(ends) - SWUNG).max())
     assert errors[1] < 4e-6 and 3.8 < errors[0] / errors[1] < 4.2
+
+
+DRUM = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      drum: {position: [0, 0, 0]}
+      foot: {position: [0, 0, 0.2], fixed: true}
+      head: {position: [2, 0, 3], fixed: true}
+      load: {position: [2.3, 0, 1]}
+    elements:
+      drum: {type: rigid_body, node: drum, mass: 10, inertia: [0.5, 0.5, 0.5]}
+      load: {type: point_mass, node: load, mass: 20}
+      rope: {type: reeved_cable, nodes: [foot, head, load], radii: [0, -0.3, 0], axis: [0, -1, 0],
+        axial_stiffness: 1.0e8, pretension: 75.4615384615, damping: 0.1 ms, payout: 0.2*bearing.angle}
+    joints: {bearing: {type: hinge, nodes: [ground, drum], axis: [0, 1, 0]}}
+    loads: {pull: {type: joint_moment, joint: bearing, value: 0.2*rope.tension}}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+def test_a_drum_that_pays_out_a_rope_bears_its_tension(verify):
+    """The load of 20 kg falls with the drum of J = 0.5 kg m2 and r = 0.2 m: a = m g/(m + J/r^2), T = m (g - a)."""
+    m, fall = RecordedRun(deck(DRUM)), 20 * g / (20 + 0.5 / 0.2**2)
+    source = "rope on a drum with inertia, closed form"
+    found = m["joints/bearing/rate"][-1] * 0.2
+    verify(S, "drum that pays out a rope: speed after 1 s [m/s]", found, fall, source, relative=1e-5)
+    np.testing.assert_allclose(m["elements/rope/tension"][-1], 20 * (g - fall), rtol=1e-5)
+    assert np.ptp(m["energy/balance"]) < 1e-7 * np.ptp(m["energy/kinetic"])

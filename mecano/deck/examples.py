@@ -86,6 +86,7 @@ EXAMPLES = {
     "joint_moment":
         "motor: {type: joint_moment, joint: knee, value: 40*(0.5 - knee.angle) - 2*knee.rate}",
     "joint_force": "thruster: {type: joint_force, joint: rail, value: 3 kN}",
+    "internal_force": "magnet: {type: internal_force, nodes: [crank, slider], axis: [0, 0, 1], value: 40 N}",
     "line_force": "cylinder: {type: line_force, nodes: [crank, slider], value: -200*slider.velocity.x}",
     "formula": "speed: {type: formula, value: 'hypot(slider.velocity.x, slider.velocity.z)'}",
     "curve": "command: {type: curve, input: time, law: {table: {points: [[0, 0], [2, 1.2], [5, 0.4]]}}}",

@@ -117,7 +117,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "rod, massless rod, distance joint, distance constraint": ("rigid_rod bar", "a bar is elastic"),
     "strut, truss, truss element": ("bar rigid_rod spring_damper", ""),
     "rope, wire, tendon, string, winch, hoist, winder": (
-        "cable reeved_cable belt", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
+        "cable reeved_cable belt",
+        "a winch is the 'payout' of a reeved_cable, also by the angle of a drum (docs/pulleys.md), or a cable with "
+        "'payout_tension'",
     ),
     "flexible body, fem, finite element, reduced model, craig bampton, substructure, component mode": (
         "superelement beam", "`mecano reduce` makes the matrices of a superelement"
@@ -335,6 +337,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "tether": ("gravity_gradient cable", ""),
     "load, external force, weight": ("force moment gravity", ""),
     "torque": ("moment couple", ""),
+    "sforce, vforce, gforce, action reaction, force between two bodies, magnetic bearing": (
+        "internal_force line_force couple", "an internal_force or a couple for each axis of the first body",
+    ),
     "thrust, thruster, following force": ("follower_force", ""),
     "hydrostatic pressure, fluid pressure, water pressure": ("pressure", ""),
     "distributed load, line force, uniformly distributed load": ("line_load pressure line_moment", ""),

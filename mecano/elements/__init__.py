@@ -48,6 +48,7 @@ MODULES = {
     "joint_moment": "forces.joint_load",
     "joint_force": "forces.joint_load",
     "line_force": "forces.joint_load",
+    "internal_force": "forces.joint_load",
     "line_load": "forces.line_load",
     "line_moment": "forces.line_load",
     "pressure": "forces.pressure",

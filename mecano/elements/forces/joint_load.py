@@ -5,8 +5,9 @@ A load P acts along a coordinate c of the nodes, in the sense of increasing c:
 .. math::  f = -P\, \nabla c
 
 with the power :math:`P\, \dot c` supplied by the surroundings. c is the angle of the joint about its axis
-(``joint_moment``), its displacement along the axis (``joint_force``), or the distance between two nodes
-(``line_force``; P > 0 pushes them apart). P is a function of time or a formula of signals, such as a controller that
+(``joint_moment``), its displacement along the axis (``joint_force``), the distance between two nodes (``line_force``; P
+> 0 pushes them apart), or the position of node b along an axis fixed in node a (``internal_force``: P acts on b, and -P
+on a at the same place, with its moment). P is a function of time or a formula of signals, such as a controller that
 measures the angle.
 """
 
@@ -17,10 +18,11 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.joint_nodes import check_apart
+from mecano.constraints.joint_nodes import NODES, check_apart
+from mecano.constraints.triads import carried_axis
 from mecano.element_interface import Kind, Output, named, nothing, record
 from mecano.jit.kernel import kernel
-from mecano.schema import DRIVE, NODE_PAIR, Field, joint_with
+from mecano.schema import DIRECTION, DRIVE, NODE_PAIR, Field, joint_with
 
 EQUATIONS = __doc__.partition("\n\n")[2]
 
@@ -42,13 +44,13 @@ def _functions(coordinate, demand):
     return named(residual, observe)
 
 
-def _load(name, what, coordinate, field, prepare, check, sample=None):
-    """Return the Kind of a load along a coordinate of the nodes that the ``field`` names."""
+def _load(name, what, coordinate, fields, prepare, check, sample=None):
+    """Return the Kind of a load along a coordinate of the nodes that the ``fields`` name."""
     quantity, unit = coordinate.load
     kind = Kind(
         name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}", dtype=record(**coordinate.axes, law="i"),
         layout=coordinate.layout,
-        fields=(field, Field("value", DRIVE, unit, f"{quantity} along the coordinate")),
+        fields=(*fields, Field("value", DRIVE, unit, f"{quantity} along the coordinate")),
         outputs=(
             Output(quantity, unit, f"{quantity} along the coordinate"),
             Output("rate", f"{coordinate.unit}/s", "rate of the coordinate"),
@@ -75,7 +77,7 @@ def _sample(rng):
 
 
 def _joint(output, kinds):
-    return Field("joint", joint_with(output), "-", f"{kinds}, along whose {output} the load acts")
+    return (Field("joint", joint_with(output), "-", f"{kinds}, along whose {output} the load acts"),)
 
 
 JOINT_MOMENT = _load(
@@ -90,6 +92,11 @@ JOINT_FORCE = _load(
 )  # fmt: skip
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
-    Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
+    (Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),),
     lambda d, nodes, context: {"law": law_of(d["value"], context)}, check_apart,
+)  # fmt: skip
+INTERNAL_FORCE = _load(
+    "internal_force", "Force between two nodes along an axis fixed in the first, such as that of a magnetic bearing",
+    SLIDE, (NODES, Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in a")),
+    lambda d, nodes, context: {"law": law_of(d["value"], context), "mu": carried_axis(d, nodes)}, nothing,
 )  # fmt: skip
