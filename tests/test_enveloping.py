@@ -103,6 +103,43 @@ def test_a_wheel_in_the_air_touches_down_on_a_cleat():
         assert depth == pytest.approx(0.0, abs=2e-5)
 
 
+ANGLE, WIDTH = np.radians(30.0), 0.08
+OBLIQUE = TEXT.replace("direction: [1, 0, 0]\n", f"direction: [{np.cos(ANGLE)}, {np.sin(ANGLE)}, 0]\n").replace(
+    "{contact_length: 100 mm}", f"{{contact_length: 100 mm, contact_width: {WIDTH}}}"
+)
+
+
+def test_a_cleat_met_at_an_angle_is_met_by_one_cam_after_the_other(verify):
+    """Five cams in two rows: the cleat is longer by 1/cos(30 deg) for each of them; the plane leans across, too."""
+    run = RecordedRun(deck(OBLIQUE))
+    x, across = run["nodes/hub/position"][:, 0, None], WIDTH * np.linspace(-0.5, 0.5, 5)
+    front, rear = (
+        on_the_cleat(x + ahead * DISTANCE + across * np.tan(ANGLE), half=0.015 / np.cos(ANGLE)) for ahead in (0.5, -0.5)
+    )
+    slope = (front.mean(axis=1) - rear.mean(axis=1)) / DISTANCE
+    lean = (front + rear) @ across / (2.0 * across @ across)
+    length = np.sqrt(1.0 + slope**2 + lean**2)
+    q = np.sqrt(1.0 - (lean / length) ** 2)
+    push = STIFFNESS * (RADIUS - (0.28 - 0.5 * (front + rear).mean(axis=1)) / length / q) / q
+    assert np.abs(lean).max() > 0.05
+    found = run["elements/tyre/normal_force"].ravel()
+    source = "cams on the edges of the cleat, in the plane of the wheel (Schmeitz 2004)"
+    verify("Tyres", "a tyre over a cleat at 30 degrees: normal force over 4 kN [-]", found / 4e3, push / 4e3, source,
+           absolute=4e-3)  # fmt: skip
+
+
+def test_rows_of_cams_that_meet_a_cleat_squarely_are_one_cam_each(crossing):
+    run = RecordedRun(deck(TEXT.replace("{contact_length: 100 mm}", "{contact_length: 100 mm, contact_width: 80 mm}")))
+    np.testing.assert_allclose(run["elements/tyre/contact_force"], crossing["elements/tyre/contact_force"], atol=1e-4)
+
+
+def test_no_energy_is_missing_on_an_oblique_cleat():
+    """The lateral friction of a plane that leans dissipates; a step of half the length has less than half the error."""
+    fewer, more = (RecordedRun(deck(OBLIQUE.replace("step: 1 ms", f"step: {h} ms"))) for h in (1.0, 0.25))
+    errors = [np.ptp(run["energy/balance"]) for run in (fewer, more)]
+    assert errors[1] < 0.4 * errors[0] < 1e-3 * np.ptp(fewer["energy/potential"])
+
+
 ENDLESS = "'ground.profile.height' must be level before its first and beyond its last obstacle"
 
 

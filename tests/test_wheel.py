@@ -54,16 +54,16 @@ class Wheel:
 
     def __init__(self, values, x=(0.0, 0.0, 1.0), R=None):
         R = np.eye(3) if R is None else R
-        table = LawTable()
-        prepared = WHEEL.prepare(values, [(np.array(x), R)], Context(table, np.zeros(3)))
-        record = np.zeros(1, WHEEL.dtype).view(np.recarray)
+        table, self.kind = LawTable(), WHEEL.chosen(values)
+        prepared = self.kind.prepare(values, [(np.array(x), R)], Context(table, np.zeros(3)))
+        record = np.zeros(1, self.kind.dtype).view(np.recarray)
         for name, value in prepared.items():
             record[name][0] = value
         self.record, self.p, self.laws = record, record[0], table.array()
 
     def at(self, phase):
         """The Instance in a phase."""
-        return Instance(WHEEL, self.record, (0,), phase, NONE, self.laws, np.zeros((3, 0)), NONE)
+        return Instance(self.kind, self.record, (0,), phase, NONE, self.laws, np.zeros((3, 0)), NONE)
 
     def force(self, x, R, v, phase=CONTACT):
         """f (6,), K, C, M (6, 6)."""
@@ -77,7 +77,7 @@ class Wheel:
         """Outputs by name, energies (4,)."""
         y, e = np.zeros(N_OUTPUTS), np.zeros(4)
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        WHEEL.observe(self.p, Place(0.0, phase, 1.0, 1.0, self.laws, NONE, *state), np.zeros(6), y, e)
+        self.kind.observe(self.p, Place(0.0, phase, 1.0, 1.0, self.laws, NONE, *state), np.zeros(6), y, e)
         return {name: y[i : i + 3] if shape else y[i] for name, (i, shape) in OFFSET.items()}, e
 
     def deformation(self, x, R):
@@ -373,7 +373,7 @@ def test_samples_show_every_mode():
     samples = WHEEL.sample(rng)
     assert {phase for _, _, phase in samples} == set(WHEEL.phases)
     for values, _, phase in samples:
-        x, R = rng.normal(size=3), turn(0.3 * rng.normal(size=3))
+        x, R = 0.5 * rng.normal(size=3), turn(0.3 * rng.normal(size=3))
         wheel = Wheel(values)
         f, K, C, _ = wheel.force(x, R, rng.normal(size=6), WHEEL.phases.index(phase))
         assert f.any() == K.any() == C.any() == (phase == "contact")

@@ -13,6 +13,11 @@ wheel give the effective plane, which takes the place of the ground: below the a
 
     h = (Z_f + Z_r)/2,   tan beta = (Z_f - Z_r)/l
 
+With a ``contact_width`` there are five cams side by side in front and behind, at the places y across the heading l, for
+obstacles met at an angle. The plane has the mean height h, the slope of the means of both rows, and across the heading
+the slope of least squares, sum(y Z)/sum(y^2). In the plane of the wheel, at the angle psi to the direction of the
+profile, an obstacle is longer: Z is that of the profile H(s + x cos psi), of tables for angles up to 69 degrees.
+
 The wheel stands on this plane with the forces of its tyre law. Z is a table made when the deck is read, so the profile
 may have corners and steps. As the plane is not tangent to the path of its height, it moves along its normal when the
 wheel rolls on, and exchanges the power N n.V with the wheel, V being the velocity of its point of contact: over an
@@ -20,6 +25,7 @@ obstacle it sums up to zero at a constant normal force. A profile that is much l
 power, and the effective plane is its tangent.
 """
 
+import math
 from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
@@ -30,13 +36,15 @@ from mecano.elements.wheels.slip_law import default_values
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_values
 from mecano.laws.table import breakpoints, curve_and_slope
-from mecano.maths.dual import sqrt
+from mecano.maths.dual import at_least, select, sqrt, value
 from mecano.maths.surface import disc_contact
 from mecano.maths.vector import cross, dot, vec
-from mecano.schema import NUMBER, Field, mapping, positive, share
+from mecano.schema import NUMBER, Field, mapping, not_negative, positive, share
 
 FINENESS = 200  # points of the path of a cam in a radius: a corner of the path is rounded over two of them
 MOST_POINTS = 200_000  # of a path, 300 m for a radius of 0.3 m
+ACROSS = np.linspace(-0.5, 0.5, 5)  # places of the cams across the heading, over the width of the contact
+ANGLES, RATIO = 12, 1.1  # of the lengths of obstacles in the plane of the wheel, 1/cos psi, for which Z is a table
 BEYOND = (0.01, 0.37, 1.3, 17.0)  # [m] places beyond the ends of a profile where it must be level
 LEVEL = 1e-9  # slope up to which it is
 
@@ -44,6 +52,10 @@ ENVELOPING = Field(
     "enveloping",
     mapping(
         Field("contact_length", NUMBER, "m", "length of the contact, under the usual load", check=positive),
+        Field(
+            "contact_width", NUMBER, "m", "width of the contact, for obstacles met at an angle: five cams side by "
+            "side; one, which meets all obstacles squarely, when 0", 0.0, not_negative,
+        ),
         Field("distance", NUMBER, "-", "distance l of the cams, over the length of the contact", 0.8, positive),
         Field("cam_length", NUMBER, "-", "a_c, half length of a cam over the radius of the tyre", 1.0, share),
         Field("cam_height", NUMBER, "-", "b_c, half height of a cam over the radius of the tyre", 1.0, positive),
@@ -54,16 +66,21 @@ ENVELOPING = Field(
 
 
 @cache
-def enveloping_law(law):
-    """Return the SlipLaw with the forces of ``law`` for a wheel on the effective plane."""
+def enveloping_law(law, wide):
+    """Return the SlipLaw with the forces of ``law`` for a wheel on the effective plane; ``wide``: of rows of cams."""
+    across, tables = (ACROSS, ANGLES) if wide else (np.zeros(1), 1)
 
     def prepare(d, context):
         cams = d["enveloping"]
-        return {**law.prepare(d, context), "cam_distance": cams["distance"] * cams["contact_length"]}
+        places = across * cams["contact_width"]
+        return {
+            **law.prepare(d, context), "cam_distance": cams["distance"] * cams["contact_length"], "across": places,
+            "spread": 2.0 * places @ places or 1.0,
+        }  # fmt: skip
 
-    return replace(
-        law, name=f"{law.name}_enveloping", record={**law.record, "cam_distance": ()}, prepare=prepare, enveloping=True
-    )
+    own = {"cam_distance": (), "spread": (), "across": (len(across),), "paths": (tables,)}
+    name, plane = ("_crossing", CROSSING) if wide else ("_enveloping", SQUARE)
+    return replace(law, name=law.name + name, record={**law.record, **own}, prepare=prepare, plane=plane)
 
 
 def check_enveloping(d):
@@ -80,8 +97,9 @@ def check_enveloping(d):
         ]
     radius = d["tire_law"]["radius"]
     points = (s[-1] - s[0]) / radius * FINENESS
-    if points > MOST_POINTS:
-        longest = MOST_POINTS / FINENESS * radius
+    most = MOST_POINTS / (ANGLES if d["tire_law"]["enveloping"]["contact_width"] else 1)
+    if points > most:
+        longest = most / FINENESS * radius
         return [
             f"'ground.profile.height' is {s[-1] - s[0]:.4g} m long; for a tyre with 'enveloping' of this radius, "
             f"at most {longest:.4g} m are possible"
@@ -104,6 +122,18 @@ def ground_of(d):
     return {**ground, "profile": {**ground["profile"], "height": height}}
 
 
+def prepare_paths(d, context):
+    """Return the starts of the tables of the path of a cam by angles, or nothing for a wheel without cams."""
+    cams, profile = d["tire_law"].get("enveloping"), d["ground"].get("profile")
+    if cams is None:
+        return {}
+    stretches = RATIO ** np.arange(ANGLES if cams["contact_width"] else 1)
+    if not profile:
+        return {"paths": np.zeros(len(stretches))}
+    same, shape, radius = _Same(profile["height"]), tuple(cams.items()), d["tire_law"]["radius"]
+    return {"paths": [context.laws.add(_kept_path(same, shape, radius, stretch)) for stretch in stretches]}
+
+
 class _Same:
     """A law that equals itself only: laws are not hashable, and their comparison takes long."""
 
@@ -117,31 +147,34 @@ class _Same:
         return self.law is other.law
 
 
-@lru_cache(maxsize=16)
-def _kept_path(same, cams, radius):
+@lru_cache(maxsize=16 * ANGLES)
+def _kept_path(same, cams, radius, stretch=1.0):
     """Return the path of a cam as ``cam_path``, of the same law once: checks and wheels ask for it several times."""
-    return cam_path(same.law, dict(cams), radius)
+    return cam_path(same.law, dict(cams), radius, stretch)
 
 
-def with_enveloping(sample):
+def with_enveloping(sample, width=0.0):
     """Return a sample (values, nodes, phase) of a wheel of 12 m with cams, on a profile with corners."""
     values, nodes, phase = sample
     points = [[-30.0, 0.2], [-4.0, 0.3], [-3.0, 0.9], [2.0, 0.5], [6.0, 0.1], [30.0, 0.4]]
     height = (("table", {"points": points, "interpolation": "linear", "beyond": "hold"}),)
     profile = {**values["ground"]["profile"], "height": height}
-    cams = default_values(ENVELOPING.type.options, {"contact_length": 5.0})
+    cams = default_values(ENVELOPING.type.options, {"contact_length": 5.0, "contact_width": width})
     return {
         **values, "ground": {**values["ground"], "profile": profile},
         "tire_law": {**values["tire_law"], "enveloping": cams},
     }, nodes, phase  # fmt: skip
 
 
-def cam_path(law, cams, radius):
-    """Return the path Z of a cam on a checked profile ``law`` that ends, as a law of one table."""
-    corners, step, half = np.array(breakpoints(law)), radius / FINENESS, cams["cam_length"] * radius
+def cam_path(law, cams, radius, stretch=1.0):
+    """Return the path Z of a cam on a checked profile ``law`` that ends, as a law of one table.
+
+    ``stretch`` >= 1: length of an obstacle in the plane of the wheel over that along the profile.
+    """
+    corners, step, half = np.array(breakpoints(law)), radius / FINENESS, cams["cam_length"] * radius / stretch
     reach = int(np.ceil(half / step))
     s = corners[0] + step * np.arange(-2 * reach, int(np.ceil((corners[-1] - corners[0]) / step)) + 2 * reach + 1)
-    rise = outline(step * np.arange(-reach, reach + 1), cams, radius)
+    rise = outline(stretch * step * np.arange(-reach, reach + 1), cams, radius)
     H, n = curve_values(law, s)[:, 0], len(s) - 2 * reach
     Z = H[reach : reach + n].copy()
     for i in range(2 * reach + 1):
@@ -149,7 +182,7 @@ def cam_path(law, cams, radius):
     s = s[reach : reach + n]
     for corner, height in zip(corners, curve_values(law, corners)[:, 0], strict=True):
         near = slice(*np.searchsorted(s, (corner - half, corner + half)))
-        Z[near] = np.maximum(Z[near], height - outline(s[near] - corner, cams, radius))
+        Z[near] = np.maximum(Z[near], height - outline(stretch * (s[near] - corner), cams, radius))
     return (("table", {"points": np.column_stack([s, Z]), "interpolation": "cubic", "beyond": "hold"}),)
 
 
@@ -159,49 +192,92 @@ def outline(x, cams, radius):
     return cams["cam_height"] * radius * (1.0 - (1.0 - part**e) ** (1.0 / e))
 
 
-class Cams(NamedTuple):
-    """The two cams of a wheel on a ground with the path of a cam as its profile."""
+class EffectivePlane(NamedTuple):
+    """The effective plane of a wheel, of the height h below the axle, with its slopes; ``rate_`` is d/dt."""
 
     t: tuple  # heading of the wheel, in the plane of the ground
-    size: float  # |a x n0|
-    z: float  # height of the axle above the plane of the ground [m]
-    front: tuple  # Z [m] and dZ/ds of the front cam
-    rear: tuple  # of the rear one
+    l: tuple  # n0 x t
+    rate_t: tuple
+    rate_l: tuple
+    above: float  # height of the axle above h [m]
+    slope: float  # along t
+    across: float  # slope along l
+    rate_h: float  # [m/s]
+    rate_slope: float
+    rate_across: float
 
 
 @kernel
-def cams_at(p, laws, x, a):
-    """Return the Cams of a wheel with the centre ``x`` and the axis ``a``; ``p`` has GROUND_RECORD, cam_distance."""
-    n0, d, X = vec(p.normal, 0), vec(p.direction, 0), x - vec(p.point, 0)
-    across = cross(a, n0)
-    size = sqrt(dot(across, across))
-    t = across / size
-    s, half = dot(d, X), 0.5 * p.cam_distance * dot(d, t)
-    front, rear = curve_and_slope(laws, p.height, s + half), curve_and_slope(laws, p.height, s - half)
-    return Cams(t, size, dot(n0, X), front, rear)
+def squarely(p, laws, s, c):
+    """Return Z [m] at s, dZ/ds and dZ/dc of a cam that meets the profile squarely, whatever the cosine c is."""
+    Z, Z_s = curve_and_slope(laws, int(p.paths[0]), s)
+    return Z, Z_s, 0.0 * s
 
 
 @kernel
-def effective_contact(p, laws, x, a):
-    """Return the Contact of a wheel with its effective plane, and its Cams."""
-    c = cams_at(p, laws, x, a)
-    tilt = (c.front[0] - c.rear[0]) / p.cam_distance
-    length = sqrt(1.0 + tilt * tilt)
-    n = (vec(p.normal, 0) - tilt * c.t) / length
-    return disc_contact(n, 0.0 * n, (c.z - 0.5 * (c.front[0] + c.rear[0])) / length, a), c
+def at_an_angle(p, laws, s, c):
+    """Return Z [m] at s, dZ/ds and dZ/dc of a cam that meets the profile at an angle of the cosine c."""
+    size = c * select(value(c) < 0.0, -1.0, 1.0)
+    longest = RATIO ** (ANGLES - 1)
+    stretch = 1.0 / at_least(size, 1.0 / longest)
+    i = max(0, min(int(math.log(value(stretch)) / math.log(RATIO)), ANGLES - 2))
+    low = math.exp(i * math.log(RATIO))
+    Z_0, slope_0 = curve_and_slope(laws, int(p.paths[i]), s)
+    Z_1, slope_1 = curve_and_slope(laws, int(p.paths[i + 1]), s)
+    share = (stretch - low) / (low * (RATIO - 1.0))
+    by_size = (Z_0 - Z_1) / (low * (RATIO - 1.0)) * stretch * stretch
+    by_size = select(value(size) * longest > 1.0, by_size, 0.0)
+    return Z_0 + share * (Z_1 - Z_0), slope_0 + share * (slope_1 - slope_0), select(value(c) < 0.0, -1.0, 1.0) * by_size
+
+
+def plane_by(height):
+    """Return the kernel that gives the EffectivePlane of a wheel whose cams have the ``height`` (Z, dZ/ds, dZ/dc)."""
+
+    @kernel
+    def plane(p, laws, x, a, v, omega):
+        """Return it at the centre x and the axis a, with their velocities; p has GROUND_RECORD and that of the cams."""
+        n0, d, X = vec(p.normal, 0), vec(p.direction, 0), x - vec(p.point, 0)
+        normal, turned = cross(a, n0), cross(cross(omega, a), n0)
+        size = sqrt(dot(normal, normal))
+        t = normal / size
+        t1 = (turned - dot(t, turned) * t) / size
+        l, l1 = cross(n0, t), cross(n0, t1)
+        s, c, q, half = dot(d, X), dot(d, t), dot(d, l), 0.5 * p.cam_distance
+        s1, c1, q1 = dot(d, v), dot(d, t1), dot(d, l1)
+        n, zero = len(p.across), 0.0 * s + 0.0 * s1
+        h, slope, across, h1, slope1, across1 = zero, zero, zero, zero, zero, zero
+        for i in range(2 * n):
+            ahead, y = 1.0 if i < n else -1.0, p.across[i % n]
+            Z, by_s, by_c = height(p, laws, s + ahead * half * c + y * q, c)
+            Z1 = by_s * (s1 + ahead * half * c1 + y * q1) + by_c * c1
+            h, slope, across = h + Z, slope + ahead * Z, across + y * Z
+            h1, slope1, across1 = h1 + Z1, slope1 + ahead * Z1, across1 + y * Z1
+        mean, along = 0.5 / n, 1.0 / (n * p.cam_distance)
+        return EffectivePlane(
+            t, l, t1, l1, dot(n0, X) - mean * h, along * slope, across / p.spread, mean * h1, along * slope1,
+            across1 / p.spread,
+        )  # fmt: skip
+
+    return plane
+
+
+SQUARE, CROSSING = plane_by(squarely), plane_by(at_an_angle)
 
 
 @kernel
-def rise_of_plane(p, c, g, v, a, omega):
-    """Return the velocity [m/s] of the effective plane along its normal, at the Contact ``g`` of a wheel.
+def contact_with(p, e, a):
+    """Return the Contact of a wheel of the axis a with its EffectivePlane ``e``."""
+    length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
+    n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
+    return disc_contact(n, 0.0 * n, e.above / length, a)
 
-    The plane holds the points Y with N.(Y - P) = 0, N = n0 - tan(beta) t and P = x + (h - z) n0 below the axle.
+
+@kernel
+def rise_of_plane(e, g, v):
+    """Return the velocity [m/s] of the EffectivePlane along its normal, at the Contact ``g`` of a wheel.
+
+    The plane holds the points Y with N.(Y - P) = 0, N = n0 - slope t - across l and P below the axle.
     """
-    n0, d = vec(p.normal, 0), vec(p.direction, 0)
-    turned = cross(cross(omega, a), n0)
-    t1 = (turned - dot(c.t, turned) * c.t) / c.size
-    s1, half1 = dot(d, v), 0.5 * p.cam_distance * dot(d, t1)
-    front1, rear1 = c.front[1] * (s1 + half1), c.rear[1] * (s1 - half1)
-    tilt, tilt1 = (c.front[0] - c.rear[0]) / p.cam_distance, (front1 - rear1) / p.cam_distance
-    along = 0.5 * (front1 + rear1) - tilt * dot(c.t, v) + dot(tilt1 * c.t + tilt * t1, g.arm)
-    return along / sqrt(1.0 + tilt * tilt)
+    rate_N = e.rate_slope * e.t + e.slope * e.rate_t + e.rate_across * e.l + e.across * e.rate_l
+    along = e.rate_h - e.slope * dot(e.t, v) - e.across * dot(e.l, v) + dot(rate_N, g.arm)
+    return along / sqrt(1.0 + e.slope * e.slope + e.across * e.across)

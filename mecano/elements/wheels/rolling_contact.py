@@ -13,7 +13,7 @@ from mecano.constraints.ground import end_conditions, touch
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.enveloping import effective_contact, rise_of_plane
+from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
@@ -67,18 +67,36 @@ def rolling(p, at, touching):
     return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
 
 
-@kernel
-def enveloping(p, at, touching):
-    """Return the Rolling of a wheel on the effective plane of its cams."""
-    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-    g, cams = effective_contact(p, at.laws, x, axis)
-    rise = rise_of_plane(p, cams, g, vec(at.v, 0), axis, mat(at.R[0]) @ vec(at.v, 3))
-    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), rise, 0.0)
+@cache
+def enveloping_on(plane):
+    """Return the kernels that give the Rolling and the event values of a wheel on the effective ``plane`` of cams."""
+
+    @kernel
+    def effective(p, at):
+        """Return the axis of the wheel, its plane and its Contact."""
+        axis = mat(at.R[0]) @ vec(p.axis, 0)
+        found = plane(p, at.laws, vec(at.q, 0), axis, vec(at.v, 0), mat(at.R[0]) @ vec(at.v, 3))
+        return axis, found, contact_with(p, found, axis)
+
+    @kernel
+    def enveloping(p, at, touching):
+        axis, found, g = effective(p, at)
+        rise, surface = rise_of_plane(found, g, vec(at.v, 0)), surface_at(p, at, g.n, vec(at.q, 0) + g.arm)
+        return rolling_on(p, at, touching, g, axis, surface, rise, 0.0)
+
+    @kernel
+    def effective_event_values(p, at, g):
+        """Write the depths of ``event_values`` below the effective plane."""
+        _, _, contact = effective(p, at)
+        g[0] = p.radius - contact.r
+        g[1] = contact.r - p.radius
+
+    return enveloping, effective_event_values
 
 
 def rolling_of(law):
     """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
-    return enveloping if law.enveloping else rolling
+    return enveloping_on(law.plane)[0] if law.plane else rolling
 
 
 @kernel
@@ -140,14 +158,6 @@ def event_values(p, at, g):
     g[1] = contact.r - p.radius
 
 
-@kernel
-def effective_event_values(p, at, g):
-    """Write the same depths below the effective plane."""
-    contact, _ = effective_contact(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
-
-
 def limits(d):
     """Return the limits of the radial law and of the slip law."""
     return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
@@ -190,7 +200,7 @@ def wheel_on_ground(law, compiled, **fields):
         layout=("x0", "R0"),
         fields=FIELDS,
         start_warnings=start_warnings,
-        event_values=effective_event_values if law.enveloping else event_values,
+        event_values=enveloping_on(law.plane)[1] if law.plane else event_values,
         **fields,
     )
 

@@ -130,8 +130,9 @@ class SlipLaw:
 
     turning: Callable | None = None
     """as ``forces``, with turn slip: for tyre laws with a 'contact_width' (turn_slip.py) or 'turn_slip'"""
-    enveloping: bool = False
-    """True for a wheel on the effective plane of its cams (enveloping.py) in place of the ground"""
+    plane: Callable | None = None
+    """kernel that gives the effective plane of the cams of a wheel (enveloping.py), which takes the place of the
+    ground"""
     twists: bool = False
     """True if the contact of a ``transient_wheel`` is twisted against the torsional stiffness of its carcass"""
 

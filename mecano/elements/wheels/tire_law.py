@@ -80,7 +80,8 @@ def slip_law_of(values):
     if own.get("contact_width") or own.get("turn_slip"):
         law = twisting_law(law) if own.get("torsional_stiffness") else turning_law(law)
     law = rolling_law(law) if is_given(values) else law
-    return law if values.get("enveloping") is None else enveloping_law(law)
+    cams = values.get("enveloping")
+    return law if cams is None else enveloping_law(law, cams["contact_width"] > 0.0)
 
 
 def prepare_radial(law, context):

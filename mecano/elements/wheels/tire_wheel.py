@@ -9,7 +9,7 @@ from mecano.constraints.ground import check_axle, check_ground, prepare_ground, 
 from mecano.constraints.triads import carried_axis
 from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
 from mecano.element_interface import Event, Output
-from mecano.elements.wheels.enveloping import check_enveloping, ground_of
+from mecano.elements.wheels.enveloping import check_enveloping, ground_of, prepare_paths
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
@@ -77,6 +77,7 @@ def prepare_wheel(d, nodes, context):
     return {
         "axis": carried_axis(d, nodes),
         **prepare_ground(ground_of(d), context),
+        **prepare_paths(d, context),
         **prepare_surface(d["ground"], context),
         **prepare_radial(d["tire_law"], context),
     }

@@ -81,7 +81,11 @@ def sample(rng):
     ]
     for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
         found += law_samples(own, law)
-    return [*found, *(with_rolling(found[i]) for i in (0, 3)), *(with_enveloping(found[i]) for i in (1, 2))]
+    return [
+        *found,
+        *(with_rolling(found[i]) for i in (0, 3)),
+        *(with_enveloping(found[i], b) for i, b in ((1, 0.0), (2, 0.0), (1, 3.0))),
+    ]
 
 
 with_law = partial(
