@@ -63,8 +63,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "",
     ),
     "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
-    "cam, follower, valve train, tappet, valve float": (
-        "contact point_on_curve", "a 'contact' with a 'cam' may open; a point_on_curve is guided from both sides"
+    "cam, follower, valve train, tappet, flat tappet, flat follower, valve float": (
+        "contact point_on_curve",
+        "a 'contact' with a 'cam' may open, its follower is a roller or a flat 'face'; a point_on_curve is guided from "
+        "both sides",
     ),
     "trailer, semitrailer, caravan, hitch, snaking": (
         "spherical hinge wheel", "a hitch is a spherical joint or a hinge; `mecano modes --sweep` finds its limit"
