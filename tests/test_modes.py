@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from equilibria import G, arm
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, matrix_balance
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from time_runs import INPUTS, deck, input_deck
@@ -592,6 +592,36 @@ def test_signals_in_small_units_do_not_hide_the_motion_of_a_mode():
     np.testing.assert_allclose(found.values, [-2.0, 10.0j], rtol=1e-9)
     decay, oscillation = text.splitlines()[2:4]
     assert "lag 'seen'" in decay and oscillation.endswith("node 'cart' moves along [1, 0, 0]")
+
+
+@pytest.mark.parametrize("volume", [1e-4, 1e-7])
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_hydraulic_cylinder(volume, order):
+    """The cylinder of inputs/servo_valve.yaml, also with small chambers, and with its signals in the other order.
+
+    Pressures grow at p_a' = B (w_a - A v)/(V + A x) and p_b' = B (A v - w_b)/(V - A x), with flows w = q u sqrt(p), at
+    p = 10.5 MPa of each, and an opening u = g (0.05 - x); m v' = A (p_a - p_b).
+    """
+    bulk, area, mass, flow, pressure, gain = 1.4e9, 1e-3, 100.0, 1.5e-7, 1.05e7, 19.0
+    through = 0.05 * gain * flow * np.sqrt(pressure)
+    by_opening, by_volume, by_v, by_p = (
+        bulk / volume * np.array([through / 0.05, through * area / volume, area, through / (2.0 * pressure)])
+    )
+    exact = np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, area / mass, -area / mass],
+            [-by_opening - by_volume, -by_v, -by_p, 0.0],
+            [by_opening - by_volume, by_v, 0.0, -by_p],
+        ]
+    )
+    exact = np.linalg.eigvals(matrix_balance(exact)[0])
+    cylinder = input_deck("servo_valve", f"parameters.volume={volume}", f"parameters.gain={gain}")
+    cylinder.values["signals"] = dict(list(cylinder.values["signals"].items())[::order])
+    _, found, _ = modes(cylinder, None)
+    assert found.residuals.max() < 1e-9
+    exact = exact[exact.imag >= 0.0]
+    np.testing.assert_allclose(found.values, exact[np.argsort(np.abs(exact))], rtol=1e-8)
 
 
 def test_table_and_file(tmp_path, monkeypatch):

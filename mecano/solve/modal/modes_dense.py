@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.linalg as la
 
+from mecano.solve.modal.balance import balance
 from mecano.solve.statics.stability import null_space
 
 if TYPE_CHECKING:
@@ -36,6 +37,10 @@ def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
     """Return all eigenvalues and shapes: (values (m,), shapes (m, n_q), name of the method)."""
     kept, (M, C, K), follow = _without_signals(scaled)
     B, E, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.E[:, kept], scaled.F[:, kept], scaled.D[kept]))
+    states = scaled.signals[kept] & ~np.vstack([B, E, F, D.T]).any(axis=0)
+    if states.any():
+        rows, units = _comparable(states, M, C, K)
+        M, C, K, follow = *(rows[:, None] * A * units for A in (M, C, K)), partial(_in_units, follow, units)
     Z = null_space(B)
     if not Z.shape[1]:
         return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing moves"
@@ -83,12 +88,12 @@ def _without_signals(scaled):
     functions = scaled.signals & ~M.any(axis=0) & (np.diff(scaled.D.tocsr().indptr) == 0)
     acting = C.any(axis=0)
     for at_once in (functions & ~(acting & C[functions].any(axis=0)), functions & ~acting):
-        own = K[np.ix_(at_once, at_once)]
-        sigma = np.linalg.svd(own, compute_uv=False)
-        if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
+        rows, units = balance(abs(K[np.ix_(at_once, at_once)]))
+        own = rows[:, None] * K[np.ix_(at_once, at_once)] * units
+        if _is_singular(own):
             continue
         kept = ~at_once
-        by = [np.linalg.solve(own, A[np.ix_(at_once, kept)]) for A in (M, C, K)]
+        by = [units[:, None] * np.linalg.solve(own, rows[:, None] * A[np.ix_(at_once, kept)]) for A in (M, C, K)]
         by_value, by_rate = (A[np.ix_(kept, at_once)] for A in (K, C))
         if (by_rate @ by[0]).any():
             continue
@@ -99,6 +104,21 @@ def _without_signals(scaled):
     return np.ones(len(M), bool), (M, C, K), lambda values, shapes: shapes
 
 
+def _is_singular(A):
+    """Return whether A (n, n) is singular, up to rounding, in whatever units of its equations and unknowns.
+
+    The least condition number of all scaled matrices is the spectral radius of abs(A^-1) abs(A) (Bauer, Numerische
+    Mathematik 5, 1963, 73-87).
+    """
+    if not len(A):
+        return False
+    try:
+        inverse = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return True
+    return not np.abs(la.eigvals(np.abs(inverse) @ np.abs(A))).max() < 1.0 / SINGULAR
+
+
 def _with_signals(kept, by, values, shapes):
     """Return the shapes (m, n_q) with eliminated signals that follow from those of the ``kept`` unknowns."""
     whole = np.zeros((len(shapes), len(kept)), complex)
@@ -106,6 +126,23 @@ def _with_signals(kept, by, values, shapes):
     whole[:, kept] = shapes
     whole[:, ~kept] = -sum(power * (shapes @ part.T) for power, part in zip(powers, by, strict=True))
     return whole
+
+
+def _comparable(states, M, C, K):
+    """Return factors of equations and units of unknowns (n,), one except for ``states`` of signals.
+
+    They make these comparable to motions: the pressure in a small chamber grows by 1e14 Pa per metre of its piston.
+    """
+    factors = balance(np.abs(M) + np.abs(C) + np.abs(K))
+    return tuple(
+        np.where(states, factor / np.exp(np.log(factor[~states]).mean()) if (~states).any() else factor, 1.0)
+        for factor in factors
+    )
+
+
+def _in_units(follow, units, values, shapes):
+    """Return what ``follow`` gives for ``shapes`` (m, n) in other ``units`` (n,)."""
+    return follow(values, shapes * units)
 
 
 def _condensed(M, C, K):

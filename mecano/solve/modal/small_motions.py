@@ -7,6 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.solve.diagnostics.scales import NO_STIFFNESS
+from mecano.solve.modal.balance import balance
 
 if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization
@@ -15,7 +16,6 @@ SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiff
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
 ROUNDED_REACTION = 1e-12  # of the largest factor of a multiplier in a signal: rounding
 SINGULAR = 1e-8  # of the largest singular value of the equations of signals
-BALANCED = 20  # rounds of the balance of signals
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
 
@@ -131,18 +131,13 @@ def signals_follow(lin: "Linearization", value: complex) -> bool:
 
 
 def _balance(lin):
-    """Return factors of equations and units of unknowns (n_q,), one except for signals (Ruiz, CERFACS TR/PA/01/35)."""
+    """Return factors of equations and units of unknowns (n_q,), one except for signals."""
     rows, columns = np.ones(lin.n_q), np.ones(lin.n_q)
     own = np.flatnonzero(lin.signals)
     if not len(own):
         return rows, columns
     A = sum(abs(part[: lin.n_q, : lin.n_q].tocsr()[own][:, own]).toarray() for part in (lin.C, lin.K))
-    r, c = np.ones(len(own)), np.ones(len(own))
-    for _ in range(BALANCED):
-        B = r[:, None] * A * c
-        for factors, largest in ((r, B.max(axis=1)), (c, B.max(axis=0))):
-            factors /= np.sqrt(np.where(largest > 0.0, largest, 1.0))
-    rows[own], columns[own] = r, c
+    rows[own], columns[own] = balance(A)
     return rows, columns
 
 
