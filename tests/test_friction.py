@@ -277,3 +277,35 @@ def test_errors_in_friction(kind, friction, more, text):
     values = {**defaults, "axis": [0, 0, 1], "friction": {"coefficient": -0.1, **friction}, **more}
     (found,) = KINDS[kind].check(values, nodes)
     assert text in found
+
+
+JENKINS = """
+    mecano: 1
+    gravity: none
+    nodes: {m: {position: [0, 0, 0]}, slider: {position: [1, 0, 0]}}
+    elements:
+      m: {type: point_mass, node: m, mass: 1}
+      spring: {type: spring_damper, nodes: [m, slider], law: {spring: {stiffness: 1000}}}
+    joints:
+      track: {type: prismatic, nodes: [ground, m], axis: [1, 0, 0]}
+      pad:
+        {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0],
+         sliding_law: {dry_friction: {force: 10, regularization: 1 mm/s}}}
+    initial: {velocities: [{nodes: [m], velocity: [1, 0, 0]}]}
+    time: {end: 0.3, step: STEP}
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "tolerance"),
+    [("1 ms, adaptive: {tolerance: 1.0e-3}", 1e-4), ("1 ms, adaptive: {tolerance: 1.0e-4}", 1e-5), ("1 ms", 5e-5)],
+)
+def test_a_node_without_mass_slips_and_sticks_between_a_spring_and_friction(step, tolerance):
+    """It slips from F/k = 10 mm until the mass has lost its energy, 1 m2/s2 - 1000 (10 mm)^2 = 2 10 N 45 mm/kg.
+
+    The creep below the regularization adds 1e-5 m at the most.
+    """
+    recorded = RecordedRun(deck(JENKINS.replace("STEP", step)))
+    farthest = recorded["nodes/m/position"][:, 0].max()
+    assert farthest == pytest.approx(0.055, abs=tolerance + 1e-5)
+    assert recorded["nodes/slider/position"][-1, 0] == pytest.approx(1.045, abs=tolerance + 1e-5)

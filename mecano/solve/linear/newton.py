@@ -6,9 +6,10 @@ one correction from a residual within the tolerance is expected to reach that, i
 is not evaluated. The call returns to Python, which then calls again, to look at signals of the process
 before a factorization (PAUSE), or if the fixed order of elimination cannot factor the matrix (OTHERWISE).
 
-In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are halved (Matthies
-and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre begins to stick they would alternate between
-sliding in both directions, however short the step.
+In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are shortened by a
+line search (Matthies and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre, or a node without mass
+between a spring and dry friction, begins to stick, they would alternate between sliding in both directions, however
+short the step: friction that slides does not depend on the velocity, so the shorter the step, the longer they are.
 """
 
 import numpy as np
@@ -17,7 +18,6 @@ from mecano.errors import Failure
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, bind_state, loops_at, residual
-from mecano.model.numbering import MASSLESS
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
@@ -40,7 +40,7 @@ SLOW = 0.1  # a kept factor is used again as long as the residual falls by more 
 SHARE = 0.001  # of the tolerances, to be met with a kept tangent: its last iteration does not square the error
 MOST_ROUNDING = 10.0  # largest residual, over its estimated rounding error, if the corrections are rounding errors
 OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
-MOST_HALVINGS = 8  # of one correction
+MOST_HALVINGS = 40  # of one correction: at the start of sticking it may be 1e10 times too long
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that move farther diverge
 
 CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
@@ -95,7 +95,7 @@ def iterate(w):
     bind_state(system, s)
     system[0].lag, code = 1.0 / w.cC, CONTINUE
     while True:
-        work, back = massless_work(of, r, x) if w.pending and w.strict else 0.0, -0.5
+        work = massless_work(w, r, x) if w.pending and w.strict else 0.0
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
             report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
@@ -104,14 +104,8 @@ def iterate(w):
             return CONVERGED
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
-        for _ in range(MOST_HALVINGS if work else 0):
-            if not massless_work(of, r, x) * work < -OVERSHOT * work * work:
-                break
-            scale_massless(of, x, back)
-            work, back = back * work, 0.5
-            correct(of, w.length, x, by, start, s)
-            residual(loops, system, w.k, w.penalty)
-            soften_rows(w, s.z, r)
+        if work and massless_work(w, r, x) * work < -OVERSHOT * work * work:
+            report[INCREMENT] *= shorten(w, work)
         before = report[FORCES], report[CONSTRAINTS]
         code = judge(w, report, before, measure(w, report, share))
         if code == CONVERGED or code == FINISH:  # the report is in whole tolerances
@@ -123,19 +117,48 @@ def iterate(w):
 
 
 @kernel
-def massless_work(of, r, x):
+def massless_work(w, r, x):
     """Return the work of the residual of massless unknowns in their correction."""
     total = 0.0
-    for i in range(x.size):
-        total += r[i] * x[i] if of.kind[i] == MASSLESS else 0.0
+    for i in integers(w.light, w.n_light):
+        total += r[i] * x[i]
     return total
 
 
 @kernel
-def scale_massless(of, x_out, share):
+def scale_massless(w, x_out, share):
     """Scale the correction of massless unknowns, and drop that of all others."""
+    light, j = integers(w.light, w.n_light), 0
     for i in range(x_out.size):
-        x_out[i] *= share if of.kind[i] == MASSLESS else 0.0
+        if j < w.n_light and light[j] == i:
+            x_out[i] *= share
+            j += 1
+        else:
+            x_out[i] = 0.0
+
+
+@kernel
+def shorten(w, work):
+    """Shorten the last correction of massless unknowns, whose residual did ``work`` in it and now opposes it.
+
+    A bisection ends where the work of the residual is less than half of what it was. Returns the remaining share.
+    """
+    s, start, of, by = state_of(w, TRIAL), state_of(w, BEGIN), unknowns_of(w), Weights(w.k, w.cC, w.cM, w.h)
+    r, x, system = floats(w.residual, w.n_all), floats(w.increment, w.n), system_of(w)
+    loops = loops_at(w.n_loops, w.loops, w.batches)
+    low, high, share, scale = 0.0, 1.0, 1.0, 1.0
+    for _ in range(MOST_HALVINGS):
+        change = 0.5 * (low + high) - share
+        scale_massless(w, x, change / scale)
+        share, scale = share + change, change
+        correct(of, w.length, x, by, start, s)
+        residual(loops, system, w.k, w.penalty)
+        soften_rows(w, s.z, r)
+        left = massless_work(w, r, x) / (scale * work)
+        if abs(left) <= OVERSHOT:
+            break
+        low, high = (share, high) if left > 0.0 else (low, share)
+    return share
 
 
 @kernel
