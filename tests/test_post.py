@@ -703,10 +703,19 @@ class TestInfo:
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))
         text = info(every_kind.write(tmp_path / "many.h5", events=events))
-        assert "Events: 30; the first 20 lines, mecano info" in text and "event 19" in text and "event 20" not in text
+        assert "Events: 30; 20 lines, shocks and releases first, mecano info" in text
+        assert "event 19" in text and "event 20" not in text
         together = tuple((0.1, "same") for _ in range(3)) + tuple((0.2 + 0.01 * i, f"event_{i}") for i in range(27))
         text = info(every_kind.write(tmp_path / "together.h5", events=together))
-        assert "Events: 30, like ones at one instant merged, in 28 lines; the first 20 lines, mecano" in text
+        assert "Events: 30, like ones at one instant merged, in 28 lines; 20 lines, shocks" in text
+
+    def test_repeated_events_leave_rare_ones_in_sight(self, tmp_path):
+        """40 limits before the one release would fill all lines."""
+        limits = tuple((0.01 * i, "lower limit") for i in range(1, 41))
+        text = info(every_kind.write(tmp_path / "limits.h5", events=(*limits, (1.5, "releases"))))
+        assert "Events: 41, repeated ones merged, in 2 lines; mecano info FILE --events lists all" in text
+        first, last = text.split("Events")[1].splitlines()[1:3]
+        assert first.split()[0] == "0.01" and first.endswith("40 times, to 0.4 s") and "releases" in last
 
     def test_extremes(self, path, runs):
         extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]

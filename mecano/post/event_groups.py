@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mecano.results.reader import Event, Results
 
 MOST_NAMES = 3  # elements named in a line
+REPEATED = 3  # least number of like groups that are merged
 TOGETHER = 1e-6  # of the duration of a run: events no farther apart are at one instant
 BESIDE, LEAST = 0.2, 0.05  # margin shown around shocks, of their duration; least margin, of the duration of the run
 SHOCKS = "shocks"  # clock of the quantities
@@ -23,11 +24,15 @@ HEADING = ("run", "time [s]", "group", "element", "event", "impulse", "unit of t
 
 @dataclass(frozen=True)
 class Group:
-    """Events at one instant, of the elements ``names`` of one kind, with the same name and change of phase."""
+    """Events of the elements ``names`` of one kind, with the same name and change of phase, in order of time.
+
+    They are at one instant, except in a group made by ``repeated``, where ``times`` is the number of instants.
+    """
 
     events: "tuple[Event, ...]"
     names: tuple[str, ...]
     kind: str
+    times: int = 1
 
     @property
     def time(self) -> float:
@@ -42,7 +47,7 @@ class Group:
     @property
     def title(self) -> str:
         """The element, or number and kind of the elements with the first of their names."""
-        if len(self.events) == 1:
+        if len({event.element for event in self.events}) == 1 and (self.times > 1 or len(self.events) == 1):
             return self.events[0].element
         return f"{len(self.names)} {self.kind}: {name_list(self.names, MOST_NAMES)}"
 
@@ -80,6 +85,21 @@ def groups(results: "Results") -> list[Group]:
             found.append((kind, here[key]))
         here[key].append((event, name))
     return [Group(tuple(event for event, _ in alike), tuple(name for _, name in alike), kind) for kind, alike in found]
+
+
+def repeated(found: list[Group]) -> list[Group]:
+    """Return Groups in which REPEATED or more groups of the same elements, event and change of phase are one."""
+    alike: dict[tuple[object, ...], list[Group]] = {}
+    for group in found:
+        first = group.events[0]
+        alike.setdefault((*sorted(group.names), group.kind, first.name, first.before, first.after), []).append(group)
+    merged = [[_merged(own)] if len(own) >= REPEATED else own for own in alike.values()]
+    return sorted((group for own in merged for group in own), key=lambda group: group.time)
+
+
+def _merged(own):
+    events = tuple(event for group in own for event in group.events)
+    return Group(events, own[0].names, own[0].kind, len(own))
 
 
 def shock_sheet(runs: "Sequence[Run]") -> Sheet:

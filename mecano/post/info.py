@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.element_interface import Display
+from mecano.element_interface import RELEASES, Display
 from mecano.errors import UnknownNameError, name_list
-from mecano.post.event_groups import groups
+from mecano.post.event_groups import groups, repeated
 from mecano.post.extremes import named, notable
 from mecano.post.info_other_files import info_other, is_other
 from mecano.post.runs import Run
@@ -36,7 +36,8 @@ ENDS = {"running": "still running", "killed": "killed, all acknowledged steps ar
 def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event: bool = False) -> str:
     """Return the summary of a results file or, with a ``pattern`` such as "wheel", "wheel.*" or "*", of these outputs.
 
-    Similar events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
+    Similar events at one instant are merged into one line, and repeated ones too if there are many; if the lines are
+    still too many, shocks and releases come first. With ``every_event`` each event has a line.
     ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
     """
     if is_other(path):
@@ -207,16 +208,27 @@ def _events(results, every):
     found = [one for group in groups(results) for one in (group.single if every else [group])]
     if not found:
         return ["Events: none"]
-    shown = found if every else found[:MOST_EVENTS]
+    instants = found
+    found = repeated(found) if len(found) > MOST_EVENTS and not every else found
+    shown = found if every or len(found) <= MOST_EVENTS else _most_notable(found)
     lines = [f"Events: {len(results.events)}"]
     if len(found) < len(results.events):
-        lines[0] += f", like ones at one instant merged, in {len(found)} lines"
+        alike = "repeated ones" if len(found) < len(instants) else "like ones at one instant"
+        lines[0] += f", {alike} merged, in {len(found)} lines"
     if len(shown) < len(found):
-        lines[0] += f"; the first {len(shown)} lines, mecano info FILE --events lists all"
+        lines[0] += f"; {len(shown)} lines, shocks and releases first, mecano info FILE --events lists all"
+    elif len(found) < len(instants):
+        lines[0] += "; mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
         lines[0] += f"; {sum(group.lost for group in found if group.is_shock):.6g} J lost in shocks"
     width = max(len(group.title) for group in shown)
     return lines + [_event(group, results.axis.unit, width) for group in shown]
+
+
+def _most_notable(found):
+    """Return MOST_EVENTS groups, shocks and releases before others, in order of time."""
+    ranked = sorted(found, key=lambda group: not (group.is_shock or group.events[0].name == RELEASES))
+    return sorted(ranked[:MOST_EVENTS], key=lambda group: group.time)
 
 
 def _event(group, unit, width):
@@ -229,6 +241,8 @@ def _event(group, unit, width):
         text += f"  impulse {each}{group.impulse:.6g} {first.impulse_unit}, {group.lost:.6g} J lost{all_}"
     elif group.lost:
         text += f"  {abs(group.lost):.6g} J {'lost' if group.lost > 0.0 else 'given'}"
+    if group.times > 1:
+        text += f"  {group.times} times, to {group.events[-1].time:.6g} {unit}".rstrip()
     return f"  {group.time:12.6g} {unit:1}  {group.title:<{width}}  {text}"
 
 
