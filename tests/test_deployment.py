@@ -56,6 +56,17 @@ def test_friction_and_dampers_of_motors_resist(tmp_path):
     np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=5e-3)
 
 
+def test_other_actuators_leave_no_margin(tmp_path):
+    """A motor of 1 N m that helps the spring gives energy that is no resistance; one of -0.2 N m resists."""
+    for moment in (1.0, -0.2):
+        load = f"loads={{motor: {{type: joint_moment, joint: hinge, value: {moment}}}}}"
+        path = tmp_path / f"{moment}.h5"
+        run(input_deck("panel_lock", load, "output.every=1e-3"), path)
+        panels = deployment_sheet(open_runs([path])).panels
+        assert bool(panels) == (moment < 0.0)
+    np.testing.assert_allclose(panels[0].curves[1].y.values[1:], 0.2, rtol=0, atol=5e-3)
+
+
 def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_end():
     """4 - sin(pi a / 2.6) has its least value, 3, in the middle of 40 intervals; the last two bend members."""
     angle = (np.arange(40) + 0.5) * 2.6 / 40

@@ -12,6 +12,9 @@ least margin is reported separately for the last part LATCHING of the way and fo
 of a flexible structure become taut and bend, driven by its momentum as well as by the motors. Together with the rest,
 this would hide how close the motors came to stalling earlier. For a structure that does not become taut, the smaller
 number counts.
+
+Moments and forces that other actuators apply in joints, such as those of reaction wheels, are neither: if they give
+energy there is no margin.
 """
 
 from collections.abc import Sequence
@@ -28,7 +31,8 @@ if TYPE_CHECKING:
 ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
 LATCHING = 0.05  # of the way to the first lock
-LEAST = 1e-3  # of the largest torque: less resistance is ignored
+LEAST = 1e-3  # of the largest torque: less resistance is ignored; of the work of motors: so is that of actuators
+TURNS = 0.01  # of the largest angle: motors that turn less are still held
 
 
 def deployment_sheet(runs: "Sequence[Run]") -> Sheet:
@@ -87,9 +91,15 @@ def _torques(run, found):
     if not found or np.count_nonzero(rows) < 3:
         return None
     time = results.time[rows]
-    angle = sum(sign * results.find(f"joints/{name}/angle").values[rows] for name, sign in found.items())
-    power = sum(_power(results, name)[rows] for name in found)
-    given = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))])
+    angles = {name: sign * results.find(f"joints/{name}/angle").values[rows] for name, sign in found.items()}
+    most = max(np.ptp(values) for values in angles.values())
+    turning = [name for name, values in angles.items() if np.ptp(values) > TURNS * most]
+    if not turning:
+        return None
+    angle = sum(angles[name] for name in turning)
+    given = _work(time, sum(_power(results, name)[rows] for name in found))
+    if _given_by_actuators(run, rows) > LEAST * np.abs(given).max():
+        return None
     energy = {name: results.find(f"energy/{name}").values[rows] for name in ("potential", "dissipated", "given")}
     spent = given + energy["potential"] + energy["dissipated"] - energy["given"]
     reached = np.maximum.accumulate(angle)
@@ -99,7 +109,21 @@ def _torques(run, found):
     at = np.interp(grid, reached, time)
     torque, resisting = (np.diff(np.interp(at, time, work)) / np.diff(grid) for work in (given, spent))
     middle = 0.5 * (at[1:] + at[:-1])
-    return 0.5 * (grid[1:] + grid[:-1]) / len(found), torque, resisting, middle
+    return 0.5 * (grid[1:] + grid[:-1]) / len(turning), torque, resisting, middle
+
+
+def _given_by_actuators(run, rows):
+    """Return the largest energy [J] that loads in joints have given until any of the saved times ``rows``."""
+    loads = [
+        name for name, d in run.deck.get("loads", {}).items() if d.get("joint") and f"loads/{name}/power" in run.paths
+    ]
+    time = run.results.time[rows]
+    return max((_work(time, run.results.find(f"loads/{name}/power").values[rows]).max() for name in loads), default=0.0)
+
+
+def _work(time, power):
+    """Return the integral (n,) [J] of a power (n,) [W] over the time."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))])
 
 
 def _power(results, name):
