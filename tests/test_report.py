@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import every_kind
 import numpy as np
@@ -13,10 +14,11 @@ from browser import browser, dom
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
 from mecano.post import report_page
-from mecano.post.report import Picture, Table, report_of
+from mecano.post.report import Picture, Table, Text, _solver_history, report_of
 from mecano.post.report_page import page_of, write_report
 from mecano.post.runs import open_runs
 from mecano.post.style import COLOURS, GREY, INK, LIMIT
+from mecano.post.verdict import is_sound, verdict
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.recorded import Event
@@ -150,6 +152,24 @@ def test_the_solver_history_is_reported_with_its_times(report):
     assert reported["Newton iterations"] == ("1", "0.15", "2", "3", "0.1")
     assert reported["rejected trials of a step"] == ("0", "0.1", "0.5", "1", "0.05")
     assert reported["size of the step [s]"] == ("0.05", "0.05", "0.05", "0.05", "0.05")
+
+
+@pytest.mark.parametrize(("largest", "explained"), [(0.9, False), (3.5e6, True)])
+def test_a_force_residual_above_its_tolerance_is_explained(largest, explained):
+    """Where positions are rounded; without a word it looks like a run that failed."""
+    steps = np.array([(0.1, 0.5), (0.2, largest)], dtype=[("time", "f8"), ("force_residual", "f8")])
+    results = SimpleNamespace(
+        steps=steps, step_columns={"force_residual": ("", "")}, axis=SimpleNamespace(unit="s", path="time")
+    )
+    parts = [part.text for part in _solver_history(results) if isinstance(part, Text)]
+    assert any("rounding error of positions" in text for text in parts) == explained
+
+
+def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ():
+    resumed = "resumed at t = 12.4 s, 2026-11-30T04:12:07+00:00"
+    for texts, sound in (([resumed], True), ([f"{resumed}; results may differ"], False), ([resumed, "slow"], False)):
+        results = SimpleNamespace(status="complete", warnings=texts)
+        assert is_sound(results) == sound and verdict(results) == ("complete" if sound else "complete with warnings")
 
 
 def test_energies_and_their_closure(report, path):

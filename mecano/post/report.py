@@ -15,7 +15,7 @@ from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
 from mecano.post.pictures import requested_sheets
 from mecano.post.sheets import default_sheets, overview
-from mecano.post.verdict import is_sound, verdict
+from mecano.post.verdict import is_sound, verdict, warnings_and_remarks
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 if TYPE_CHECKING:
@@ -33,6 +33,11 @@ HEALTH = {
     "force_residual": "force residual over its tolerance",
     "constraint_residual": "constraint residual over its tolerance",
 }  # fmt: skip
+
+RESIDUAL = (
+    "All these steps converged. A force residual above its tolerance is the rounding error of positions times the "
+    "stiffness of the model: a further correction of the positions would have been within its tolerance."
+)
 
 
 @dataclass(frozen=True)
@@ -97,7 +102,7 @@ def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), s
         raise ResultsError(f"{results.path}: no saved times yet")
     requested, sheets = requested_sheets(plots, spectra, [run]), default_sheets([run])
     sections = (
-        Section("Warnings", tuple(Text(text) for text in results.warnings)),
+        Section("Warnings", tuple(Text(text) for text in warnings_and_remarks(results)[0])),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
         Section("Run", tuple(_provenance_table(results))), Section("Solution", tuple(_solver_history(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
@@ -148,6 +153,8 @@ def _solver_history(results):
     at = f"at {results.axis.path} [{unit}]" if unit else f"at {results.axis.path}"
     yield Text(f"{count(results)}.")
     yield Table(("", "smallest", at, "mean", "largest", at), rows)
+    if "force_residual" in steps.dtype.names and np.any(steps["force_residual"] > 1.0):
+        yield Text(RESIDUAL)
 
 
 def _energy(results):
