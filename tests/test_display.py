@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -76,3 +77,17 @@ def test_an_older_file_is_drawn_as_the_kinds_declare_now(drop, tmp_path):
     assert {name: display.shape for name, display in run.results.displays.items()} == {
         name: KINDS[name].display.shape for name in run.results.displays
     }
+
+
+@pytest.mark.parametrize(
+    ("law", "drawn"),
+    [
+        ({"spring": {"stiffness": 0.0}}, False),
+        ({"spring": {"stiffness": 2.0}}, True),
+        ({"spring": {"stiffness": 0.0}, "damper": {"coefficient": 3.0}}, True),
+    ],
+)
+def test_a_spring_without_force_is_a_gauge_and_not_drawn(law, drawn):
+    points = {"a": np.zeros((1, 3)), "b": np.ones((1, 3))}
+    motion = SimpleNamespace(nodes=list(points), position=points.__getitem__, apart=lambda nodes, points: True)
+    assert bool(SHAPES["spring"](motion, "gauge", {"nodes": ["a", "b"], "law": law})) == drawn

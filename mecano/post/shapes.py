@@ -210,6 +210,18 @@ def _line(style, motion, name, d):
     return [Shape(style, name, points, tuple(nodes))] if motion.apart(nodes, points) else []
 
 
+def _spring(motion, name, d):
+    """Return the line of a spring, or nothing for one without a force, which only measures a length."""
+    return [] if _is_gauge(d) else _line(SPRING, motion, name, d)
+
+
+def _is_gauge(d):
+    """Return whether all numbers of the law of a spring are zero."""
+    law = d.get("law")
+    terms = law.values() if isinstance(law, dict) else ()
+    return bool(terms) and all(isinstance(term, dict) and not any(term.values()) for term in terms)
+
+
 def _joint(motion, name, d):
     """Return a dot at the position of a joint, with a support if it joins the ground."""
     nodes = d.get("nodes", ())
@@ -299,7 +311,7 @@ def _flattened(points, ground):
 BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES: dict[str, Callable[[AnyMotion, str, "Values"], list[Shape]]] = {
-    "line": partial(_line, ROD), "cable": partial(_line, CABLE), "spring": partial(_line, SPRING),
+    "line": partial(_line, ROD), "cable": partial(_line, CABLE), "spring": _spring,
     "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement,
     "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
     "contact": _contact, "gears": _gears, "joint": _joint,
