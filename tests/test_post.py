@@ -325,6 +325,17 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
     assert [list(line.get_xdata()) for line in drawn.axes[0].lines if line.get_marker() == marker] == [[0.01]]
 
 
+def test_marks_of_repeated_events_leave_room_for_those_of_rare_ones(tmp_path):
+    """A lock amid 40 limits: these have one mark, where it does not cover that of the lock."""
+    limits = tuple((0.5 + 0.03 * i, "lower limit") for i in range(40))
+    runs = open_runs([every_kind.write(tmp_path / "limits.h5", events=((0.499, "locks"), *limits))])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    lock, limit = (handle.get_marker() for handle in drawn.legends[0].legend_handles[-2:])
+    marks = {line.get_marker(): list(line.get_xdata()) for line in drawn.axes[0].lines}
+    assert marks[lock] == [0.499] and marks[limit] == [pytest.approx(0.53)]
+
+
 def test_lines_that_are_covered_are_wider(runs):
     """Curves that nearly coincide, whatever the range of the axis of a constant."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")

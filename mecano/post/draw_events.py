@@ -1,5 +1,6 @@
 """Events in panels over time: a line at each, a mark over the axes, a legend of the marks."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer 
 LINE_ROOM = 0.01  # the same of lines
 MANY = 8  # number of events above which lines close to others are omitted
 MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events above which lines are short ones at the axis; height, room
-MOST_MARKS = 24  # of one kind: more would make a band over the axes, so only the first is drawn
+MOST_MARKS = 12  # of one kind: more would make a band over the axes, so only the first is drawn
 SIZE = 4.5  # points
 
 
@@ -48,7 +49,7 @@ class EventLegend:
 def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "CurveStyles") -> None:
     """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs.
 
-    An event that occurs throughout, such as a stop in a limit cycle, is marked where it occurs first.
+    An event that occurs throughout, such as a stop in a limit cycle, is marked once, where there is room for it first.
     """
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
@@ -57,14 +58,19 @@ def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "
         rug = bool(styles.runs) or len(lines) > MOST_LINES
         if rug:
             lines = thinned(own, RUG_ROOM * (high - low) * factor)
+        counts = Counter(mark.marker for mark in own)
         colour = COLOURS[run % len(COLOURS)] if styles.runs else GREY
         for mark in lines:
             ax.axvline(mark.time / factor, ymax=RUG if rug else 1.0, color=colour if rug else PALE, linewidth=0.7,
                        alpha=0.4 if styles.runs else 1.0, zorder=1)  # fmt: skip
-        for marker in dict.fromkeys(mark.marker for mark in own):
+        room = MARK_ROOM * (high - low)
+        drawn: list[float] = []
+        for marker in sorted(counts, key=counts.__getitem__):  # frequent events leave room for the marks of rare ones
             alike = [mark for mark in own if mark.marker == marker]
-            times = [mark.time / factor for mark in thinned(alike, MARK_ROOM * (high - low) * factor)]
-            times = times if len(times) <= MOST_MARKS else times[:1]
+            times = [mark.time / factor for mark in thinned(alike, room * factor)]
+            if len(times) > MOST_MARKS:
+                times = [*(t for t in times if all(abs(t - other) >= room for other in drawn)), times[0]][:1]
+            drawn += times
             ax.plot(times, [1.0] * len(times), marker, transform=ax.get_xaxis_transform(), color=colour,
                     markersize=SIZE, markeredgewidth=0.5, clip_on=False, zorder=5)  # fmt: skip
 
