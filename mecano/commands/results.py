@@ -169,16 +169,23 @@ def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool,
 
 
 @click.command(short_help="Summarize a results file and its run.")
-@click.argument("results", type=click.Path())
+@click.argument("results", type=click.Path(), required=False, metavar="RESULTS")
 @click.option(
     "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
     help="List outputs with units and descriptions: all, those of an element, of a name or a pattern, 'w*.force'.",
 )  # fmt: skip
-@click.option("--events", is_flag=True, help="List all events, one per line.")
-def info(results: str, pattern: str | None, events: bool) -> None:
+@click.option(
+    "--events", is_flag=False, flag_value="*", metavar="[PATTERN]",
+    help="List events alone, one per line: all, or those of an element, of a name or a pattern, 'hinge_*'.",
+)  # fmt: skip
+def info(results: str | None, pattern: str | None, events: str | None) -> None:
     """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text
 
+    if results is None and pattern is None and events is not None:  # `mecano info --events RESULTS`
+        results, events = events, "*"
+    if results is None:
+        raise click.UsageError("Missing argument 'RESULTS': the file that `mecano run` has written")
     with _reading(results):
         show(text(results, pattern, events))
 

@@ -4,6 +4,7 @@ import json
 import math
 import shlex
 from collections.abc import Sequence
+from fnmatch import fnmatchcase
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -33,11 +34,12 @@ RESUME = "--resume"
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
 
-def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event: bool = False) -> str:
+def info(path: "str | os.PathLike[str]", pattern: str | None = None, events: str | None = None) -> str:
     """Return the summary of a results file or, with a ``pattern`` such as "wheel", "wheel.*" or "*", of these outputs.
 
     Similar events at one instant are merged into one line, and repeated ones too if there are many; if the lines are
-    still too many, shocks and releases come first. With ``every_event`` each event has a line.
+    still too many, shocks and releases come first. With a pattern of ``events``, such as "latch*", "locks" or "*", the
+    events of these elements, or of these names, are listed alone, each in a line.
     ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
     """
     if is_other(path):
@@ -46,8 +48,9 @@ def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event
         if pattern is not None:
             paths = _matching(results, pattern)
             return "\n".join([*_names(results, paths), "", *_extremes(results, paths, math.inf)])
-        events = _events(results, every_event)
-        return "\n".join([*_run(results), "", *events, "", *_output_lines(results), "", *_extremes(results)])
+        if events is not None:
+            return "\n".join(_events(results, events))
+        return "\n".join([*_run(results), "", *_events(results), "", *_output_lines(results), "", *_extremes(results)])
 
 
 def one_line(runs: Sequence[Run]) -> str:
@@ -204,14 +207,16 @@ def _rank(results, section, kind):
     return order.index("wheels" if wheel else section) if section in order else len(order)
 
 
-def _events(results, every):
-    """Return the lines on events, with similar events at one instant merged unless ``every``."""
+def _events(results, every=None):
+    """Return the lines on events, with similar events merged, or on all those that match the pattern ``every``."""
     found = [one for group in groups(results) for one in (group.single if every else [group])]
     if not found:
         return ["Events: none"]
+    if every:
+        return _listed(results, found, every)
     instants = found
-    found = repeated(found) if len(found) > MOST_EVENTS and not every else found
-    shown = found if every or len(found) <= MOST_EVENTS else _most_notable(found)
+    found = repeated(found) if len(found) > MOST_EVENTS else found
+    shown = found if len(found) <= MOST_EVENTS else _most_notable(found)
     lines = [f"Events: {len(results.events)}"]
     if len(found) < len(results.events):
         alike = "repeated ones" if len(found) < len(instants) else "like ones at one instant"
@@ -222,8 +227,29 @@ def _events(results, every):
         lines[0] += "; mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
         lines[0] += f"; {sum(group.lost for group in found if group.is_shock):.6g} J lost in shocks"
+    return lines + _lines_of(shown, results.axis.unit)
+
+
+def _listed(results, found, pattern):
+    """Return the lines on the events of the elements or names that match a pattern."""
+    shown = [group for group in found if any(fnmatchcase(text, pattern) for text in _names_of(group))]
+    if not shown:
+        known = list(dict.fromkeys(text for group in found for text in _names_of(group)))
+        raise UnknownNameError(
+            f"no event of {results.path} matches '{pattern}'; there are {name_list(known, MOST_EVENTS)}"
+        )
+    shocks = [group.lost for group in shown if group.is_shock]
+    lost = f"; {sum(shocks):.6g} J lost in shocks" if shocks else ""
+    return [f"Events: {len(shown)}{lost}", *_lines_of(shown, results.axis.unit)]
+
+
+def _names_of(group):
+    return group.names[0], group.events[0].name.replace("_", " ")
+
+
+def _lines_of(shown, unit):
     width = max(len(group.title) for group in shown)
-    return lines + [_event(group, results.axis.unit, width) for group in shown]
+    return [_event(group, unit, width) for group in shown]
 
 
 def _most_notable(found):
