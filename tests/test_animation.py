@@ -119,6 +119,19 @@ def test_the_slider_moves_the_mechanism_in_a_browser(results, tmp_path, name):
 
 
 @browser
+def test_ticks_of_repeated_events_are_short(results, tmp_path):
+    """13 limits beside a lock."""
+    page = animate(results / "wheel_drop.h5", tmp_path / "ticks.html")
+    found = asked(page, """
+    data.events = [{ time: 0, element: "h", name: "locks" }];
+    for (let i = 0; i < 13; i++) data.events.push({ time: 0.01 * i, element: "u", name: "limit" });
+    showEvents();
+    return [...byId("ticks").children].map(tick => tick.className);
+    """)  # fmt: skip
+    assert found == [""] + ["repeated"] * 13
+
+
+@browser
 def test_keys_play_step_and_choose(results, tmp_path):
     page = animate(results / "wheel_drop.h5", tmp_path / "keys.html")
     found = asked(page, """

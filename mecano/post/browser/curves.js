@@ -73,7 +73,7 @@ class Curves {
       ctx.stroke();
     };
     ctx.save();
-    for (const event of this.data.events) line(event.time, event.colour + "70", 1);
+    for (const event of this.data.events) if (!event.repeated) line(event.time, event.colour + "70", 1);
     line(this.motion.times[this.frame], styled("--ink"), 1.2);
     ctx.restore();
   }

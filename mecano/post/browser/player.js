@@ -45,14 +45,21 @@ function labels() {
   byId("colour").parentElement.hidden = !data.quantities.length;
 }
 
-// Events as ticks over the slider, each name with a colour of its own.
+// Events as ticks over the slider, each name with a colour of its own; ticks of frequent ones are short, and not in the curves.
+const MOST_MARKS = 12;
 function showEvents() {
   const names = [...new Set(data.events.map(event => event.name))], span = motion.times[motion.count - 1] - motion.times[0];
-  for (const event of data.events) event.colour = INKS[names.indexOf(event.name) % INKS.length];
+  const counts = new Map(), keyOf = event => `${event.element}: ${event.name}`;
+  for (const event of data.events) counts.set(keyOf(event), (counts.get(keyOf(event)) || 0) + 1);
+  for (const event of data.events) {
+    event.colour = INKS[names.indexOf(event.name) % INKS.length];
+    event.repeated = counts.get(keyOf(event)) > MOST_MARKS;
+  }
   byId("ticks").replaceChildren(...data.events.map(event => {
     const tick = element("i");
     tick.style.left = `${span ? (100 * (event.time - motion.times[0])) / span : 0}%`;
     tick.style.background = event.colour;
+    tick.className = event.repeated ? "repeated" : "";
     tick.title = `${number(event.time)} ${data.axis[1]}: ${event.element}: ${event.name}`;
     tick.addEventListener("click", () => { play(false); show(motion.frameAt(event.time)); });
     return tick;
