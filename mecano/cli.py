@@ -28,9 +28,9 @@ COMMANDS = {
     "check": "decks.check", "check-kind": "decks.check_kind", "completion": "shell.completion",
     "example": "decks.example", "explain": "decks.explain", "export": "results.export", "import": "solving.import_",
     "info": "results.info", "list": "decks.list_", "margins": "response.margins", "modes": "solving.modes",
-    "new": "decks.new", "post": "results.post", "reduce": "solving.reduce_", "response": "response.response",
-    "run": "solving.run", "schema": "decks.schema", "sweep": "studies.sweep", "verify": "results.verify",
-    "view": "viewing.view", "warmup": "studies.warmup",
+    "momentum": "results.momentum", "new": "decks.new", "post": "results.post", "reduce": "solving.reduce_",
+    "response": "response.response", "run": "solving.run", "schema": "decks.schema", "sweep": "studies.sweep",
+    "verify": "results.verify", "view": "viewing.view", "warmup": "studies.warmup",
 }  # fmt: skip
 """The function of each command, of a module of mecano/commands."""
 MEANT = {".yaml": "run", ".yml": "run", ".h5": "post"}  # ending of a file in place of a command -> command
@@ -79,6 +79,7 @@ def commands() -> None:
     mecano post deck.h5             draw the standard plots
     mecano export deck.h5           write results as CSV, or for ParaView
     mecano info deck.h5             summarize a results file and its run
+    mecano momentum deck.yaml       momentum and centre of mass over its run
     mecano verify deck.h5           check a file for changed bytes
     mecano reduce deck.yaml         a superelement of a part
     mecano import part.pch          a superelement from Nastran

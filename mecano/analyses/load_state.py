@@ -1,5 +1,6 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,13 +9,14 @@ from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.held_values import with_held_values
 from mecano.analyses.prepare import Prepared, integrator_of
-from mecano.analyses.replay import gaps_at_start, miscounted, replayed, scalars_in
+from mecano.analyses.replay import Scalar, gaps_at_start, miscounted, place_row, replayed, scalars_in, traces_of
 from mecano.errors import ResultsError, UsageError
 from mecano.results.opening import errors_as_damage
 from mecano.results.reader import Results, open_results
 
 if TYPE_CHECKING:
     from mecano.model.state import State
+    from mecano.model.system import System
     from mecano.solve.modal.linearize import Assemble
 
 
@@ -84,7 +86,13 @@ def _row_at(results: Results, path: str, time: float) -> int:
 
 def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
     """Return the State of a row. Raises ResultsError if the results lack a node or an unknown of the deck."""
-    system = prepared.system
+    nodes, scalars = _unknowns_in(prepared.system, results)
+    near = gaps_at_start(prepared.deck, prepared.system, prepared.length)
+    return replayed(prepared.system, prepared.state, results, row, nodes, scalars, near)
+
+
+def _unknowns_in(system: "System", results: Results) -> tuple[list[tuple[int, str]], list[Scalar]]:
+    """Return nodes and scalars as in ``replayed``. Raises ResultsError if one of the deck is not in the results."""
     nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
     missing = [name for _, name in nodes if f"nodes/{name}/position" not in results.series]
     if missing:
@@ -92,8 +100,24 @@ def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
     scalars, unknown = scalars_in(system, results)
     if unknown:
         raise ResultsError(_missing_unknown(results, *unknown[0]))
-    near = gaps_at_start(prepared.deck, system, prepared.length)
-    return replayed(system, prepared.state, results, row, nodes, scalars, near)
+    return nodes, scalars
+
+
+def motions_in(prepared: Prepared, path: str) -> "Iterator[State]":
+    """Yield a State with the motion of each saved time of a dynamic run; the next one overwrites it.
+
+    Phases, memory and reactions are not those of the run. Raises UsageError and ResultsError as ``state_at``.
+    """
+    if prepared.deck.values["time"] is None:
+        raise UsageError("the deck has 'static': nothing moves in statics")
+    with errors_as_damage(path), open_results(path) as results:
+        if not len(results.time):
+            raise ResultsError(f"{path}: no saved times yet")
+        nodes, scalars = _unknowns_in(prepared.system, results)
+        traces, state = traces_of(results, nodes), prepared.state.copy()
+        for row in range(len(results.time)):
+            place_row(prepared.system, state, results.time, row, nodes, traces, scalars)
+            yield state
 
 
 def _missing_unknown(results, owner, name):

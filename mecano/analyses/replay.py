@@ -50,24 +50,42 @@ def replayed(
         Gaps up to which contacts touch at the start, see ``gaps_at_start``; they are open unless an event closed them.
     """
     rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
-    traces = [[results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes]
+    traces = traces_of(results, nodes)
     monitor, state = EventMonitor(system), state.copy()
     touching = ImpactCandidates(system).touching(near)
     events = [event for event in results.events if event.time <= results.time[row]]
     for r in rows:
         if r - 1 in rows:
             _spin(system, state, results.time, r, nodes, traces)
-        for (i, _), trace in zip(nodes, traces, strict=True):
-            _place_node(system, state, i, *(values[r] for values in trace))
-        for place, value, rate in scalars:
-            state.z[place], state.v[place] = value[r], rate[r]
-        state.t = float(results.time[r])
+        place_row(system, state, results.time, r, nodes, traces, scalars)
         state.memory = system.commit(solve_signals(system, state))
         state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
         while events and events[0].time <= results.time[r]:  # positions do not determine whether a contact is open
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
     return state
+
+
+def traces_of(results: "Results", nodes: Sequence[tuple[int, str]]) -> list[list[np.ndarray]]:
+    """Return the COLUMNS of each of the ``nodes`` (index, name), in all rows of the results."""
+    return [[results.find(f"nodes/{name}/{column}").values for column in COLUMNS] for _, name in nodes]
+
+
+def place_row(
+    system: "System",
+    state: "State",
+    times: np.ndarray,
+    row: int,
+    nodes: Sequence[tuple[int, str]],
+    traces: Sequence[Sequence[np.ndarray]],
+    scalars: Sequence[Scalar],
+) -> None:
+    """Set the time and the motion of a state to those of a row, in place; arguments as in ``replayed``."""
+    for (i, _), trace in zip(nodes, traces, strict=True):
+        _place_node(system, state, i, *(values[row] for values in trace))
+    for place, value, rate in scalars:
+        state.z[place], state.v[place] = value[row], rate[row]
+    state.t = float(times[row])
 
 
 def _spin(system, state, times, row, nodes, traces):

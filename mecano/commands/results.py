@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import click
 
-from mecano.commands import BELOW, grouped, plugins, show
+from mecano.commands import BELOW, grouped, overrides, plugins, show
 
 
 class Pictures(NamedTuple):
@@ -188,6 +188,38 @@ def info(results: str | None, pattern: str | None, events: str | None) -> None:
         raise click.UsageError("Missing argument 'RESULTS': the file that `mecano run` has written")
     with _reading(results):
         show(text(results, pattern, events))
+
+
+@click.command(short_help="Compute the momentum of a run and its change.")
+@click.argument("deck", type=click.Path())
+@click.argument("results", type=click.Path())
+@click.option(
+    "--about", nargs=3, type=float, default=(0.0, 0.0, 0.0), show_default=True, metavar="X Y Z",
+    help="Inertial point to which the angular momentum refers [m].",
+)  # fmt: skip
+@click.option("--csv", "table", metavar="FILE.csv", type=click.Path(), help="Also write the values at all saved times.")
+@click.option("--force", is_flag=True, help="Replace a file that mecano has not written.")
+@overrides
+@plugins
+def momentum(
+    deck: str, results: str, about: tuple[float, float, float], table: str | None, force: bool,
+    overrides: tuple[str, ...],
+) -> None:  # fmt: skip
+    """Compute linear and angular momentum, mass and centre of mass at the saved times of a run of DECK.
+
+    Without loads, and without joints to the ground, the momentum is constant; its largest change is then an error of
+    the run. Give the same --set as for the run.
+    """
+    from mecano.analyses.momentum import momentum as find
+    from mecano.analyses.momentum import rows
+    from mecano.deck.read import read_deck
+    from mecano.results.whole_file import write_csv
+
+    with _reading(results):
+        found = find(read_deck(deck, overrides), results, about)
+    show(str(found))
+    if table:
+        write_csv(Path(table), rows(found), force)
 
 
 @click.command(short_help="Check a results file for changed or missing bytes.")

@@ -383,6 +383,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),
     "equilibrium, static equilibrium": ("static initial", ""),
     "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),
+    "momentum, angular momentum, center of mass, centre of mass": (
+        "", "`mecano momentum deck.yaml results.h5` computes them over a run; no section of a deck is needed"
+    ),
     "results, result, sampling, save": ("output", "`mecano info`, `mecano post` and `mecano export` read the results"),
     "dissipation, power loss, losses, energy, energy balance": (
         "output",
