@@ -183,7 +183,7 @@ HEADER = """\
 # After section 4.1 of Cardona, Geradin & Doan, Comput. Methods Appl. Mech. Engrg. 89 (1991) 395-418, which prints, for
 # one module: 756 degrees of freedom, 12 motor hinges, 24 diagonals with winders, fully deployed at t = 3.65 s, 210
 # steps. Dimensions, masses and the torque of the motors are chosen here: see docs/examples/reflector.md.
-# One module has 756 unknowns and locks its last hinge at t = 3.66 s.
+# One module has 756 unknowns and locks its last hinge at t = 3.67 s.
 """
 
 

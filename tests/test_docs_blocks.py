@@ -9,6 +9,7 @@ import yaml
 
 from mecano.cli import commands
 from mecano.deck.expanded_sections import REPEAT
+from mecano.deck.read import deck_of_bytes
 from mecano.elements import KINDS
 
 ROOT = Path(__file__).parent.parent
@@ -54,6 +55,14 @@ def test_fragments_of_decks_have_fields_that_exist(page):
             for entry in kinds_in(fragment):
                 fields = {field.name for field in KINDS[entry["type"]].fields}
                 assert set(entry) <= fields | EVERY, (entry["type"], set(entry) - fields - EVERY)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_complete_decks_are_valid(page):
+    """Decks that begin with their version; those on the page of plugins need the kinds defined there."""
+    for text in blocks(page, "yaml"):
+        if re.search("^mecano: 1", text, re.MULTILINE) and page.stem != "plugins":
+            assert deck_of_bytes(text.encode(), "deck.yaml").values["nodes"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

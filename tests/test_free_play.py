@@ -9,7 +9,7 @@ from time_runs import RecordedRun, input_deck
 INERTIA, DAMPING, LINK, PLAY, TRAIL = 1.0, 10.0, 5.0e4, 2.0e-3, 0.1
 SIDE, YAW, YAW_TIME = 2.0e5, 1 / 6e4, 1.0e-3  # K, C, C1 of Moreland's tyre
 
-# speed [m/s] -> amplitude [mrad]: by the four equations of motion, and of the describing function (docs/tyres.md)
+# speed [m/s] -> amplitude [mrad]: by the equations of motion, of the describing function (docs/tyre-equations.md)
 TABLE = {5.0: (2.470, 2.423), 20.0: (4.146, 4.093), 40.0: (7.094, 7.109), 60.0: (5.125, 5.264)}
 
 
@@ -58,7 +58,7 @@ def run_at(V, *overrides):
 
 
 def test_the_describing_function_is_near_the_motion():
-    """Check the table in docs/tyres.md and the header of the deck without a run."""
+    """Check the table in docs/tyre-equations.md and the header of the deck without a run."""
     for V, (_, amplitude) in TABLE.items():
         assert describing_function(V)[0] == pytest.approx(1e-3 * amplitude, rel=1e-3)
     assert integrated(20.0) == pytest.approx((4.146e-3, 150.53), rel=1e-3)

@@ -162,7 +162,7 @@ def test_tables_of_force_and_cornering_stiffness_follow_the_formulas(kind):
 
 
 def rows_of_nose_gear():
-    """Return the rows of the table of docs/tyres.md: numbers of inputs/nose_landing_gear.yaml, and by size."""
+    """Return the rows of the table of docs/tyre-equations.md: numbers of inputs/nose_landing_gear.yaml, and by size."""
     law, d = input_deck("nose_landing_gear").values["tire_laws"]["nose_tire"], tyre()
     own, radial = law["lateral"]["moreland"], law["radial"]
     K, N = own["lateral_stiffness"], 1.0 / own["yaw_coefficient"]
@@ -186,7 +186,7 @@ def test_the_table_of_the_nose_landing_gear_is_current():
     quartic = input_deck("nose_landing_gear").values["tire_laws"]["nose_tire"]["radial"]
     for w in np.linspace(0.02, 0.12, 21):
         assert curve_at(quartic, w)[0] == pytest.approx(smiley_horne.vertical_force(tyre(), w), rel=0.03)
-    assert "\n".join(rows_of_nose_gear()) in (INPUTS.parent / "docs" / "tyres.md").read_text()
+    assert "\n".join(rows_of_nose_gear()) in (INPUTS.parent / "docs" / "tyre-equations.md").read_text()
 
 
 def yawed(stiffness=2.5e5, mu=0.7):

@@ -99,7 +99,7 @@ def test_small_turn_slip_is_that_of_bristles(V_r):
 
 @pytest.mark.parametrize(("radius", "most"), [(5.0, 0.025), (1.0, 0.11), (0.3, 0.25), (0.05, 0.12)])
 def test_turn_slip_between_adhesion_and_sliding_is_near_that_of_bristles(radius, most):
-    """Errors over mu N and mu N k at several slips, as stated in docs/tyres.md; bristles have no closed form."""
+    """Errors over mu N and mu N k at several slips, as in docs/tyre-equations.md; bristles have no closed form."""
     W, unit = 20.0 / radius, MU * LOAD * np.array([1.0, 1.0, reach(HALF, WIDE)])
     for v in (0.0, 0.0), (0.0, 0.3), (0.4, -0.4), (0.0, 1.5), (0.0, -1.0), (2.0, 0.5):
         error = (found(fiala(), v, W, 20.0) - bristles(v, W, 20.0, 600)) / unit

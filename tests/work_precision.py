@@ -1,4 +1,4 @@
-"""Error against tolerance and work: `python tests/work_precision.py` prints the tables of docs/step-control.md."""
+"""Error against tolerance and work: `python tests/work_precision.py` prints the numbers of docs/step-control.md."""
 
 from dataclasses import dataclass
 from functools import cache

@@ -157,11 +157,10 @@ def modes(
     """Compute modes of small motions about the initial state of a deck, its equilibrium, or a saved state.
 
     If the deck has 'static' or 'initial: static', the modes are those about the static equilibrium; with 'initial:
-    {steady: ...}', those about straight steady running or steady rotation. With --at they are those about a saved
-    state (of that instant, if it moves), with --at-rest those about the equilibrium near it. They are complex, with
-    constraints, damping, gyroscopic and follower terms. The command prints a table, and writes the shapes to a file
-    and, with --plot, to a picture. With --sweep it finds root loci and critical values, with
-    --campbell also critical speeds.
+    {steady: ...}', those about steady running, turns or rotation. With --at they are those about a saved state (of that
+    instant, if it moves), with --at-rest those about the equilibrium near it. They are complex, with constraints,
+    damping, gyroscopic and follower terms. The command prints a table, and writes the shapes to a file and, with
+    --plot, to a picture. With --sweep it finds root loci and critical values, with --campbell also critical speeds.
     """
     _refuse_unfit(about, swept)
     stem = os.path.splitext(os.path.basename(deck))[0]

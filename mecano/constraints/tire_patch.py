@@ -8,7 +8,7 @@ axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r
     \dot w_0 = -n \cdot (v + \omega \times \rho)/q
 
 Radial damping acts on :math:`\dot w_0`, the rate of deformation with the patch fixed in the wheel; so do the laws that
-depend on v_0, which is v_C without the rates of y and psi (docs/tyres.md).
+depend on v_0, which is v_C without the rates of y and psi (docs/tyre-equations.md).
 
 A force of the patch on the ground, with F in the ground plane and -N n along its normal, where damping contributes N_d
 to N, and G = Q^T F - N n, adds:

@@ -11,7 +11,7 @@ hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced 
     tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}
 
 y and psi have no inertia. To make their rates unique, radial damping and the coefficient of friction are those of the
-wheel with its patch held: dw_0/dt and v_0 are dw/dt and v_C without dy/dt and dpsi/dt (docs/tyres.md).
+wheel with its patch held: dw_0/dt and v_0 are dw/dt and v_C without dy/dt and dpsi/dt (docs/tyre-equations.md).
 
 A third unknown, the bow of the contact line, has its own equation X = 0, trivial except in the tyre law of a string.
 v_C is defined as above; it is not the rate of the position of the patch, because psi also turns the rolling velocity:
@@ -21,7 +21,7 @@ in straight rolling without slip, dy/dt = v_lat - V psi. Internal forces (51), w
 
 with N_d the part of N by damping. Upright this is the paper's (51) and the overturning moment y N about t, which it
 neglects. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The energy that the lateral law stores,
-dissipates and exchanges with the rolling is given in docs/tyres.md.
+dissipates and exchanges with the rolling is given in docs/tyre-equations.md.
 
 In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as
 ``wheel``.

@@ -15,8 +15,8 @@ for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. kap 
 The law with a relaxation length sigma, F = K y and psi = y/sigma, has A0 of this form without D and C1. Its psi is the
 slip angle of a point-like patch (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), not a
 twist against a stiffness: a change of psi does not carry a displaced patch along, and the longitudinal force does not
-turn it (``twist`` = 0, docs/tyres.md). Its kap, K sigma^2, only scales the equation. The same holds for Moreland's law
-without C1.
+turn it (``twist`` = 0, docs/tyre-equations.md). Its kap, K sigma^2, only scales the equation. The same holds for
+Moreland's law without C1.
 
 Where the wheel rolls backward, psi = -C F: the patch turns the other way for the same force, and the moment of a trail
 changes its sign. The terms of y in M and in the aligning moment are therefore multiplied by the direction of rolling,
@@ -240,7 +240,7 @@ def runaway(law):
     _, A1 = matrices(law)
     if np.linalg.eigvalsh(A1 + A1.T)[0] >= -SINGULAR * np.abs(A1).max():
         return None
-    what = "the rates of a sliding patch may grow without bound (docs/tyres.md)"
+    what = "the rates of a sliding patch may grow without bound (docs/tyre-equations.md)"
     if law["matrices"]:
         return "matrices.damping", f"'lateral.matrices.damping' has a negative symmetric part: {what}"
     d = law["moreland"]

@@ -187,7 +187,7 @@ def _twist_warnings(d, nodes):
     """Return a warning if the twist of a rolling wheel is damped too little at its initial slip angle.
 
     At a slip angle alpha, spin inertia I and speed V, twist and spin oscillate with growing amplitude unless
-    C1 > V I alpha^2/(r^2 kap C K): docs/tyres.md, Twist.
+    C1 > V I alpha^2/(r^2 kap C K): docs/tyre-equations.md, Twist.
     """
     law, (node,) = d["tire_law"]["lateral"]["moreland"], nodes
     if not law:

@@ -5,9 +5,9 @@ Martins 1985):
 
     F_fr = mu(|v_0|) sigma(u) phi(|v_C|) N v_C/|v_C|,   phi(v) = (v/eps)(2 - v/eps) for v < eps, else 1
 
-opposes the slip; v_0 is v_C without the rates of a patch (docs/tyres.md). sigma is a factor that depends on the speed u
-of the axle over the ground, 1 by default: the paper's mu_0 exp(-kappa u) is friction mu_0 with ``friction_by_speed:
-{exponential: {start: 1, rate: kappa}}``.
+opposes the slip; v_0 is v_C without the rates of a patch (docs/tyre-equations.md). sigma is a factor that depends on
+the speed u of the axle over the ground, 1 by default: the paper's mu_0 exp(-kappa u) is friction mu_0 with
+``friction_by_speed: {exponential: {start: 1, rate: kappa}}``.
 """
 
 from mecano.element_interface import recorded_values

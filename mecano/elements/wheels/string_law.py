@@ -28,7 +28,7 @@ c (integral of v x + sigma (sigma + a)(v(a) - v(-a))):
     F = 2c [(sigma + a) y - sigma b],    aligning moment = 2c [a^2 c_1/3 + sigma (sigma + a) a psi]
 
 Compared with the exact delay (sigma = 3a), F and moment differ by 0.02 % at wavelengths of 20 contact lengths, 0.3 % at
-10 and 1.4 % (the moment 9 %) at 5: docs/tyres.md.
+10 and 1.4 % (the moment 9 %) at 5: docs/tyre-equations.md.
 
 ``straight_tangent`` takes the deflection at the leading edge, whose equation has no delay, as y, and the tangent there
 as the contact line: it is of first order in the distance. F differs by 4 %, the moment by 16 % at wavelengths of 20
@@ -44,7 +44,7 @@ a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the pa
 the straight tangent turns over (lateral_law.py), while the equations of the string hold for rolling forward.
 
 These equations assume that the contact line adheres. Where it slides, dc_1/dt uses the dy/dt of an adhering contact
-line, from the motion of the wheel alone: otherwise dy/dt would enter M with no opposing term (docs/tyres.md).
+line, from the motion of the wheel alone: otherwise dy/dt would enter M with no opposing term (docs/tyre-equations.md).
 """
 
 import numpy as np

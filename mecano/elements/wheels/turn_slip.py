@@ -22,7 +22,7 @@ with x and x_m, |G| and |G_m| for small turn slip over the |G| at which all of t
 slides with v obeys (F, M_s/k) = -mu N (v, k W)/sqrt(v^2 + k^2 W^2), the ellipsoid by which Howe and Cutkosky (Int. J.
 Robotics Research 15, 1996) replace the limit surface of Goyal, Ruina and Papadopoulos (Wear 143, 1991); the lateral
 force of a narrow turn, in which bristles in front and behind slide to opposite sides, fades. The two quotients are
-fitted to bristles (docs/tyres.md).
+fitted to bristles (docs/tyre-equations.md).
 
 W is the rate of the plane of the wheel about n, without the part of the spin of a leaning wheel, which belongs to the
 camber thrust: W = n.omega - (s/q) l.omega with the sine s and the cosine q of the camber. The moment dissipates -M_s W.
