@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
+import mecano
 from mecano.errors import DeckError
 from mecano.solve.modal.free_spins import roll_one
 
@@ -114,3 +115,13 @@ def test_moments_that_are_rounding_leave_the_spin_alone():
     steady, s = SimpleNamespace(system=system, speed=20.0, length=1.0, n_q=1), SimpleNamespace(v=np.array([3.0]))
     roll_one(steady, s, np.ones(1), 1e-12)
     assert s.v == [3.0]
+
+
+def test_the_rolling_radius_leaves_the_side_force_of_a_twisted_patch(tmp_path):
+    """Side force C alpha of inputs/step_steer.yaml: the slip angle is that of the axle, on whatever radius it rolls."""
+    forces = []
+    for coefficient in (1.0, 1.0 / 3.0):
+        changes = {"tire_laws.rubber.rolling_radius_coefficient": coefficient, "time.end": 0.5}
+        with mecano.run(INPUTS / "step_steer.yaml", tmp_path / "r.h5", quiet=True, force=True, set=changes) as results:
+            forces.append(results["tire.lateral_force"][-1])
+    assert forces == pytest.approx([1195.02, 1195.02], rel=1e-5)

@@ -7,7 +7,7 @@ radial deformation. With the coefficient c the effective rolling radius is
 
 For a belt that keeps its length while its arc of contact is pressed flat, r_e = radius sin(phi)/phi with
 radius (1 - cos phi) = w, and c = 1/3 for small w. The slip velocity is that of a rim of this radius, with t the driving
-direction and W = a.omega the spin relative to the ground:
+direction, of a twisted patch the one in which it rolls, and W = a.omega the spin relative to the ground:
 
     v' = v_C - (r_e - r_l) W t,      free rolling: u.t = r_e W
 
