@@ -388,7 +388,7 @@ def test_energy_that_is_lost_or_comes_from_nothing_is_reported(tmp_path):
 def test_a_balance_is_judged_by_the_energy_exchanged_before(low_at, rho, reported):
     """Kinetic and potential energy exchange 10 J, the balance is off by 0.2 J; at 0.05 J nothing is said."""
     names = ("kinetic", "potential", "dissipated", "given", "balance")
-    sampler = SimpleNamespace(columns=[SimpleNamespace(path=f"energy/{name}", start=i) for i, name in enumerate(names)])
+    sampler = SimpleNamespace(starts={f"energy/{name}": i for i, name in enumerate(names)})
     extremes = SimpleNamespace(
         high=np.array([10.0, 0.0, 0.0, 0.0, 0.0]), low=np.array([0.0, -10.0, 0.0, 0.0, -0.2]),
         high_time=np.full(5, 1.0), low_time=np.full(5, low_at),

@@ -17,7 +17,6 @@ from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
-from mecano.solve.time.driven_jumps import work_of_jumps
 from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
@@ -339,6 +338,8 @@ class TimeIntegrator:
 
         At the corner itself a table that holds its last value still has the slope before it.
         """
+        from mecano.solve.time.driven_jumps import work_of_jumps  # few runs need it
+
         behind, h = replace(run.motion, t=np.nextafter(run.motion.t, math.inf)), min(run.h, self.longest_restart)
         given = run.given + work_of_jumps(self.system, self.method, run.motion, behind, h)
         return self._start_again(replace(run, h=h, given=given), behind)
