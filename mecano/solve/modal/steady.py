@@ -242,7 +242,9 @@ class Steady:
             return None, np.inf
         size = np.abs(A).max(axis=0, initial=0.0)
         weight = np.ones(A.shape[1])  # signals, in any unit, balance forces rather than motions against the drag
-        weight[self.signals] = size.max(initial=0.0) / np.maximum(size[self.signals], 1e-300)
+        with np.errstate(divide="ignore"):
+            weight[self.signals] = size.max(initial=0.0) / size[self.signals]
+        weight[~np.isfinite(weight)] = 0.0  # nothing reads these signals: they keep their initial values
         x = weight * np.linalg.lstsq(A * weight, b, rcond=RANK)[0]
         spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]
         return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[self.moving]).max(initial=0.0)) / self.length
