@@ -44,7 +44,6 @@ class Patch(NamedTuple):
     v_C: tuple  # [m/s]
     v_0: tuple  # v_C with the patch fixed in the wheel [m/s]
     w1: float  # dw/dt with the patch fixed in the wheel [m/s]
-    rolled: float  # dy/dt of a patch without lateral slip [m/s]
     twist: float  # 1 if the twist moves a displaced patch, 0 if psi is only the slip angle
 
 
@@ -61,8 +60,7 @@ def patch(p, at):
     aside = a - g.s * g.n + psi * across  # Q a in the ground
     v_C = u - lift * g.n - p.twist * psi1 * y * across
     v_0 = v_C + (v[Y] * aside + p.twist * psi1 * y * across)
-    w1, rolled = -(lift + v[Y] * g.s) / g.q, dot(v_0, a) / (g.q * g.q)
-    return Patch(g, a, across, omega, rho, y, psi, v_C, v_0, w1, rolled, p.twist)
+    return Patch(g, a, across, omega, rho, y, psi, v_C, v_0, -(lift + v[Y] * g.s) / g.q, p.twist)
 
 
 @kernel

@@ -32,30 +32,28 @@ from functools import cache
 
 from mecano.constraints.tire_patch import patch
 from mecano.element_interface import named, record
-from mecano.elements.wheels.lateral_law import Course, lateral_law, relax
+from mecano.elements.wheels.lateral_law import relax
 from mecano.elements.wheels.patch_wheel import (
     RECORD,
     SCALARS,
-    Load,
     PatchFriction,
     add_load,
-    load_of,
+    loads_by,
     patch_wheel,
     prepare,
     put_patch,
     sample,
 )
-from mecano.elements.wheels.rolling_tyre import at_effective_radius, is_given, rolling_law, with_rolling
+from mecano.elements.wheels.rolling_tyre import is_given, rolling_law, with_rolling
 from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
-from mecano.elements.wheels.slip_law import Slip
 from mecano.elements.wheels.tire_wheel import AIR
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import add_vec, dot, mat, norm
+from mecano.maths.vector import add_vec, mat
 
 
-def compiled(law, loads=load_of):
-    """Return ``residual`` and ``observe`` of a wheel with this friction, a SlipLaw; ``loads`` returns its Load."""
-    forces = law.forces
+def compiled(law):
+    """Return ``residual`` and ``observe`` of a wheel with this friction, a SlipLaw."""
+    forces, load_of = law.forces, loads_by(law.slip)
 
     @kernel
     def residual(p, at, f):
@@ -64,7 +62,7 @@ def compiled(law, loads=load_of):
             relax(p, at, f)
             return
         k = patch(p, at)
-        load = loads(p, at, k)
+        load = load_of(p, at, k)
         ground = forces(p, at.laws, load.slip)
         add_load(f, at, k, load, -ground.F)
         add_vec(f, 3, -1.0, mat(at.R[0]).T @ ground.M)
@@ -73,25 +71,11 @@ def compiled(law, loads=load_of):
     def observe(p, at, F, y, e):
         """Write outputs and energies; see OUTPUTS and element_interface."""
         k = patch(p, at)
-        load = loads(p, at, k)
+        load = load_of(p, at, k)
         ground = forces(p, at.laws, load.slip)
         put_patch(p, at, k, load, PatchFriction(load.slip.v, ground.F, ground.lost), y, e)
 
     return named(residual, observe)
-
-
-@kernel
-def rolling_load(p, at, k):
-    """Return the Load of the Patch ``k`` at the effective rolling radius.
-
-    The patch rolls along t + psi (n x t), so that its slip angle is that of a rim of this radius.
-    """
-    load = load_of(p, at, k)
-    s = load.slip
-    along = Slip(s.N, s.w, s.grip, s.v, s.v_0, s.u, s.omega, s.spin, s.lean, s.t + k.psi * s.l, s.l, s.n, s.curvature)
-    slip = at_effective_radius(p, along)
-    course = Course(norm(s.u), dot(s.t, s.u), dot(s.n, s.omega), dot(slip.v_0, k.a) / (k.g.q * k.g.q))
-    return Load(load.radial, load.N, load.damping, slip, lateral_law(p, at, load.N, course))
 
 
 @cache
@@ -102,7 +86,7 @@ def rolling_kind():
     return replace(
         FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record),
         prepare=lambda d, nodes, context: {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)},
-        variant=None, **compiled(law, rolling_load),
+        variant=None, **compiled(law),
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from mecano.elements.wheels.lateral_law import (
 )
 from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
 from mecano.elements.wheels.sliding_friction import prepare as prepare_friction
-from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.slip_law import Slip, unchanged
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force
 from mecano.elements.wheels.tire_wheel import (
     CONTACT,
@@ -103,17 +103,29 @@ class PatchFriction(NamedTuple):
     lost: float  # dissipated power [W]
 
 
-@kernel
-def load_of(p, at, k):
-    """Return the Load of the Patch ``k``."""
-    w = p.radius - k.g.r
-    v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
-    N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
-    u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
-    grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
-    slip = Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n, 0.0)
-    course = Course(norm(u), dot(t, u), dot(k.g.n, k.omega), k.rolled)
-    return Load(radial, N, damping, slip, lateral_law(p, at, N, course))
+def loads_by(slipping):
+    """Return the kernel that gives the Load of a Patch whose Slip is changed by ``slipping``, see SlipLaw.slip.
+
+    The patch rolls along t + psi (n x t). It is laid down without lateral slip by the rolling of the changed Slip.
+    """
+
+    @kernel
+    def load_of(p, at, k):
+        """Return the Load of the Patch ``k``."""
+        w = p.radius - k.g.r
+        v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
+        N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
+        u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
+        grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
+        rolling, spin = t + k.psi * l, dot(k.omega, k.a)
+        slip = slipping(p, Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, spin, k.g.s, rolling, l, k.g.n, 0.0))
+        course = Course(norm(u), dot(t, u), dot(k.g.n, k.omega), dot(slip.v_0, k.a) / (k.g.q * k.g.q))
+        return Load(radial, N, damping, slip, lateral_law(p, at, N, course))
+
+    return load_of
+
+
+load_of = loads_by(unchanged)
 
 
 @kernel

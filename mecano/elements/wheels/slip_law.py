@@ -32,7 +32,7 @@ class Slip(NamedTuple):
     omega: tuple  # angular velocity of the wheel relative to the ground [rad/s]
     spin: float  # about its axis [rad/s]
     lean: float  # sine of the camber angle: n.a
-    t: tuple  # driving direction
+    t: tuple  # driving direction; of a twisted patch the one in which it rolls
     l: tuple  # lateral direction
     n: tuple  # normal of the ground; (t, l, n) is right-handed
     curvature: float  # of the ground along t, > 0 on a drum [1/m]; 0 on grounds, whatever their shape
