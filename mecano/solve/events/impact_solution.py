@@ -200,7 +200,7 @@ class ImpactSolution:
         ``no_force`` (n_l,) [N, N m]: the rounding errors of reactions.
         """
         lost = self.friction_losses - 0.5 * self.impulses * (self.before + self.after)
-        still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
+        still = self._rates(np.zeros_like(s.v))
         new = set(closing)
         slow = all(self._is_slow(c) for c in closing)
         stay = {c: True for c in closing + resting if self._stays(c, c in new, slow)}  # in their order
