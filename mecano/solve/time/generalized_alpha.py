@@ -44,7 +44,7 @@ from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
 from mecano.solve.time.increments import Weights, motion_tangents
-from mecano.solve.time.massless import massless_unknowns
+from mecano.solve.time.massless import LightUnknowns
 from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.repeated_steps import LARGER, RepeatedSteps
 from mecano.solve.time.step import attempt
@@ -136,7 +136,7 @@ class GeneralizedAlpha:
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None
         self._massless = np.flatnonzero(system.massless)
-        self._light_in: dict[bytes, np.ndarray] = {}  # in phases, as bytes
+        self._light = LightUnknowns(system, length)
         self._kind = system.numbering.kind.copy()
         self._kind[self._massless] = MASSLESS
         self.assembly = Assembly(system)
@@ -283,21 +283,8 @@ class GeneralizedAlpha:
         """
         self.workspace.record["strict"] = strictly
         if strictly:
-            light = self._light()
+            light = self._light.at(self.workspace.state(BEGIN, self.workspace.phases.copy()))
             self.workspace.point_to(n_light=len(light), light=light)
-
-    def _light(self):
-        """Return the massless unknowns (n,), ascending: those scalars, and nodes that move without moving any mass.
-
-        In the same phases they are the same in all positions, singular ones excepted.
-        """
-        w = self.workspace
-        phases = w.phases.copy()
-        found = self._light_in.get(phases.tobytes())
-        if found is None:
-            of_nodes = massless_unknowns(self.system, w.state(BEGIN, phases), self.length)
-            found = self._light_in[phases.tobytes()] = np.union1d(self._massless, of_nodes).astype(np.int64)
-        return found
 
     def ordinary_steps(
         self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"

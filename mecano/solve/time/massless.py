@@ -33,6 +33,22 @@ def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray
     return np.sort(np.concatenate([*found, np.zeros(0, np.int64)]))
 
 
+class LightUnknowns:
+    """The unknowns without mass of a system: scalars, and nodes that move in massless motions."""
+
+    def __init__(self, system: "System", length: float):
+        self._system, self._length = system, length
+        self._in_phases: dict[bytes, np.ndarray] = {}
+
+    def at(self, s: "State") -> np.ndarray:
+        """Return their indices (n,), ascending, in the phases of ``s``: the same in all but singular positions."""
+        key = s.phases.tobytes()
+        if key not in self._in_phases:
+            of_nodes = massless_unknowns(self._system, s, self._length)
+            self._in_phases[key] = np.union1d(np.flatnonzero(self._system.massless), of_nodes).astype(np.int64)
+        return self._in_phases[key]
+
+
 def held_by_lines(system: "System", i: int) -> tuple[str, ...]:
     """Return the titles of the lines on the unknown ``i`` if nothing else holds it.
 
