@@ -108,7 +108,7 @@ def check_cam(d, nodes):
 
 
 def check_cam_for(d, radius, because):
-    """Return errors for a cam that a follower of this radius [m] cannot follow, ``because`` of its hollows."""
+    """Return errors for a cam that a follower of this radius [m] cannot follow, ``because`` of its concave parts."""
     if np.linalg.norm(np.cross(unit(d["cam"]["axis"]), unit(d["cam"]["zero"]))) < ROUNDING:
         return ["'cam.zero' must not be along 'cam.axis': it is a direction across it"]
     return _not_smooth(d["cam"]["profile"]) or _too_narrow(d["cam"]["profile"], radius, because)
@@ -132,7 +132,7 @@ def _not_smooth(profile):
 
 
 def _too_narrow(profile, radius, because):
-    """Return errors for radii of the profile that are not positive, or hollows narrower than this radius."""
+    """Return errors for radii of the profile that are not positive, or concave parts narrower than this radius."""
     s = np.linspace(0.0, TURN, PROBES)
     s = np.sort(np.append(s, np.clip(shape_of_curve(profile, 0.0, TURN)[0], 0.0, TURN)))
     rho, slope, bend = curve_values(profile, s).T
