@@ -7,7 +7,9 @@ the fully extended length, and the piston speed u at which oil passes the orific
 .. math::  N = -(p_g - p_a) A_g - F_h, \qquad F_h = \frac{\rho A_h^3}{2 (C_d A_o)^2}\, (|u| + u_0)\, u
 
 * gas: :math:`p_g = p_1 (V_1/(V_1 - A_g s))^n`, absolute. A second chamber behind a separator opens when :math:`p_g`
-  reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
+  reaches its pressure :math:`p_2`; from there both have the same pressure, with
+  :math:`V_1 (p_1/p_g)^{1/n} + V_2 (p_2/p_g)^{1/n_2} = V_1 + V_2 - A_g s`.
+* seals: the gas presses them on the piston; they rub with :math:`\mu_s (p_g - p_a) A_g` against its motion.
 * oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
   recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
   Below the ``laminar_speed`` :math:`u_0` the flow is laminar, and the orifices blend: with the factors
@@ -34,10 +36,11 @@ from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
-from mecano.laws.gas_spring import gas_force, gas_work
+from mecano.laws.friction import regularization, sticking
+from mecano.laws.gas_chambers import GAS_RECORD, gas_at, gas_pull, gas_values
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve, law_force, terms_of
-from mecano.maths.dual import chain, number, select, sqrt, value
+from mecano.maths.dual import at_least, number, select, sqrt, value
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
@@ -45,28 +48,11 @@ LEAST_COMPRESSION = 0.1  # share of the gas volume that a full stroke displaces;
 LONGEST_STROKE = 10.0  # times the length of the strut
 UNLIKE = 20.0  # ratio of the areas by which a piston displaces oil and gas
 LONGER = 0.01  # of the extended length: beyond it the deformation of a stop is improbable
+FREE_SEALS = {"coefficient": 0.0, "regularization": 1.0}
 RECORD = record(
-    **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
-    orifice="i", rebound_orifice="i", drag=2, pressing=2, laminar=(),
+    **LAW_RECORD, **GAS_RECORD, ambient=(), oil_stiffness=(), orifice="i", rebound_orifice="i", drag=2, pressing=2,
+    laminar=(), seal_friction=(), seal_speed=(),
 )  # fmt: skip
-
-
-@kernel
-def gas_at(p, e):
-    """Return force [N] > 0 in tension, its derivative, and energy [J] of the gas, without the air around, at e."""
-    if e > -p.second:
-        F, slope = gas_force(p.push[0], p.column[0], p.exponent, e)
-        return F, slope, gas_work(p.push[0], p.column[0], p.exponent, e)
-    F, slope = gas_force(p.push[1], p.column[1], p.exponent, e + p.second)
-    first = gas_work(p.push[0], p.column[0], p.exponent, -p.second)
-    return F, slope, first + gas_work(p.push[1], p.column[1], p.exponent, e + p.second)
-
-
-@kernel
-def gas_pull(p, e):
-    """Return the force of the gas [N], without the air around; a Dual if e is one."""
-    F, slope, _ = gas_at(p, value(e))
-    return chain(e, F, slope)
 
 
 @kernel
@@ -80,12 +66,19 @@ def through_orifice(p, at, e, u):
 
 
 @kernel
+def seal_friction(p, gas, rate):
+    """Return the friction [N] > 0 in tension of seals that the ``gas`` force [N] presses on, at the ``rate`` [m/s]."""
+    return p.seal_friction * at_least(-gas, 0.0) * sticking(p.seal_speed, abs(rate)) * rate
+
+
+@kernel
 def residual(p, at, f):
     """Add the axial force along the line, and the balance of the pressure in the oil with that at the orifice."""
     length, rate, (_, along, _) = line(at.q, at.v)
     e, oil, oil_rate = extension(p, STILL, length), number(at.q[OIL]), number(at.v[OIL])
     F_h = through_orifice(p, at, e, -rate - oil_rate)
-    N = gas_pull(p, e) + p.ambient * p.gas_area - F_h + law_force(at.laws, p.law, e, rate)
+    gas = gas_pull(p, e) + p.ambient * p.gas_area
+    N = gas + seal_friction(p, gas, rate) - F_h + law_force(at.laws, p.law, e, rate)
     add_line_force(f, N, along)
     f[OIL] += p.oil_stiffness * oil - F_h
 
@@ -97,8 +90,9 @@ def observe(p, at, F, y, e):
     s, oil, u = extension(p, STILL, length), number(at.q[OIL]), -rate - number(at.v[OIL])
     report(p, at, STILL, length, rate, y[3:], e)
     gas, F_h = gas_pull(p, s), through_orifice(p, at, s, u)
+    seals = seal_friction(p, gas + p.ambient * p.gas_area, rate)
     y[0], y[1], y[2] = length, s, rate
-    y[3] += gas + p.ambient * p.gas_area - F_h
+    y[3] += gas + p.ambient * p.gas_area + seals - F_h
     y[4] = -s
     y[5] = -gas / p.gas_area
     pressing = select(u > 0.0, p.pressing[0], p.pressing[1])
@@ -106,7 +100,7 @@ def observe(p, at, F, y, e):
     y[7] = u / abs(pressing)
     y[8], y[9] = oil, at.v[OIL]
     e[1] += gas_at(p, value(s))[2] + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
-    e[2] += F_h * u
+    e[2] += F_h * u + seals * rate
 
 
 @kernel
@@ -117,7 +111,7 @@ def event_values(p, at, g):
 
 def prepare(d, nodes, context):
     """Return the record of one strut; the extended length defaults to the initial distance."""
-    gas, oil = d["gas"], d["oil"]
+    gas, oil, seals = d["gas"], d["oil"], d["seal_friction"] or FREE_SEALS
     k = oil["bulk_modulus"] * oil["area"] ** 2 / oil["volume"]
     recoil = oil["recoil_area"]
     areas = np.array([oil["area"], oil["area"] if recoil is None else recoil])
@@ -125,9 +119,9 @@ def prepare(d, nodes, context):
     drag = oil["density"] * areas**3 / (2.0 * oil["discharge_coefficient"] ** 2)
     rebound = oil["orifice"] if oil["rebound_orifice"] is None else oil["rebound_orifice"]
     return {
-        **law_values({}, d["law"], extended(d, nodes), context), **_chambers(gas, d["second_gas"]),
-        "exponent": gas["exponent"], "gas_area": gas["area"], "ambient": gas["ambient_pressure"],
-        "oil_stiffness": k, "drag": drag, "pressing": pressing,
+        **law_values({}, d["law"], extended(d, nodes), context), **gas_values(gas, d["second_gas"]),
+        "seal_friction": seals["coefficient"], "seal_speed": seals["regularization"],
+        "ambient": gas["ambient_pressure"], "oil_stiffness": k, "drag": drag, "pressing": pressing,
         "laminar": oil["laminar_speed"],
         "orifice": context.laws.add(oil["orifice"]), "rebound_orifice": context.laws.add(rebound),
     }  # fmt: skip
@@ -136,16 +130,6 @@ def prepare(d, nodes, context):
 def extended(d, nodes):
     """Return the length at the stroke zero [m]."""
     return distance(nodes) if d["extended_length"] is None else d["extended_length"]
-
-
-def _chambers(gas, second):
-    """Return the push [N] and the gas column [m] of one and of both chambers, and the stroke that opens the second."""
-    area, column, opens = gas["area"], gas["volume"] / gas["area"], FAR
-    pushes, columns = [gas["pressure"] * area] * 2, [column] * 2
-    if second is not None:
-        opens = column * (1.0 - (gas["pressure"] / second["pressure"]) ** (1.0 / gas["exponent"]))
-        pushes[1], columns[1] = second["pressure"] * area, column - opens + second["volume"] / area
-    return {"push": np.array(pushes), "column": np.array(columns), "second": opens}
 
 
 def check(d, nodes):
@@ -245,10 +229,11 @@ def sample(rng):
         "recoil_area": None, "discharge_coefficient": 0.8, "density": 1.5, "bulk_modulus": 20.0, "volume": 2.0,
         "laminar_speed": 1e-3,
     }  # fmt: skip
-    one = {"gas": gas, "oil": oil, "second_gas": None, "law": None, "extended_length": 2.5}
-    valve, both = {**oil, "rebound_orifice": 0.7, "recoil_area": 0.9}, {"pressure": 3.6, "volume": 2.0}
+    one = {"gas": gas, "oil": oil, "second_gas": None, "law": None, "extended_length": 2.5, "seal_friction": None}
+    valve = {**oil, "rebound_orifice": 0.7, "recoil_area": 0.9}
+    both, seals = {"pressure": 3.6, "volume": 2.0, "exponent": 1.1}, {"coefficient": 0.1, "regularization": 0.5}
     stop = (("stop", {"stiffness": 30.0, "lower": -0.9, "upper": 0.1, "damping": 0.1}),)
-    two = {"gas": gas, "oil": valve, "second_gas": both, "law": stop, "extended_length": 2.0}
+    two = {"gas": gas, "oil": valve, "second_gas": both, "law": stop, "extended_length": 2.0, "seal_friction": seals}
     lengths = zip(PHASES, (1.0, 1.5, 2.3), strict=True)
     return [(one, 2, "between"), *((two, at_distance(rng, length), phase) for phase, length in lengths)]
 
@@ -263,6 +248,11 @@ GAS_FIELDS = (
 SECOND_FIELDS = (
     Field("pressure", NUMBER, "Pa", "absolute pressure p_2 at which its separator opens", check=positive),
     Field("volume", NUMBER, "m3", "volume of its gas", check=positive),
+    Field("exponent", NUMBER, "-", "polytropic exponent n_2; that of the first gas when absent", None, positive),
+)
+SEAL_FIELDS = (
+    Field("coefficient", NUMBER, "-", "friction over the force of the gas less that of the air", check=positive),
+    regularization("speed of the piston"),
 )
 OIL_FIELDS = (
     Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
@@ -299,6 +289,7 @@ OLEO = Kind(
         Field("gas", mapping(*GAS_FIELDS), "-", "the gas chamber"),
         Field("oil", mapping(*OIL_FIELDS), "-", "the oil chamber and its orifice"),
         Field("second_gas", mapping(*SECOND_FIELDS), "-", "a second gas chamber, of a higher pressure", None),
+        Field("seal_friction", mapping(*SEAL_FIELDS), "-", "friction of seals that the gas presses on", None),
         Field("extended_length", NUMBER, "m", "length at the stroke zero; the initial distance when absent", None,
               positive),
         Field("law", LAW, "-", "further axial force [N] from extension [m] and rate [m/s]: stops, dry friction", None,
