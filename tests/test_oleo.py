@@ -131,3 +131,28 @@ def test_oil_that_would_cavitate_is_warned_of(tmp_path):
     assert said["wide"] == []
     (text,) = said["narrow"]
     assert text.startswith("oleo 'strut': oil_pressure reached -") and text.endswith("a larger 'oil.rebound_orifice'")
+
+
+def test_drop_test_of_an_airliner_against_curves_of_another_program():
+    """Up to the opening of the second chamber at 0.0913 s; beyond, that program interpolates its separator."""
+    t, stroke, force = np.genfromtxt(INPUTS / "nose_gear_drop.csv", delimiter=",", skip_header=4).T
+    m = RecordedRun(input_deck("nose_gear_drop", "time.end=0.24"))
+    found = {"stroke": 1e3 * m["elements/strut/stroke"], "force": 1e-3 * m["signals/tyres/value"]}
+    for published, values, within in ((stroke, found["stroke"], 0.03), (force, found["force"], 0.06)):
+        given = np.isfinite(published) & (t < 91.3)
+        assert given.sum() >= 6
+        assert np.interp(1e-3 * t[given], m.time, values) == pytest.approx(published[given], abs=within)
+    assert found["stroke"].max() == pytest.approx(np.nanmax(stroke), rel=3e-3)
+    assert found["force"].max() == pytest.approx(np.nanmax(force), rel=3e-3)
+
+
+def test_two_chambers_of_unlike_gases_share_pressure_and_volume():
+    """Without friction and flow the strut stores the work of its gas; both chambers follow from one pressure."""
+    p_1, V_1, n_1, p_2, V_2, n_2 = 1.1e6, 3.63e-3, 1.1, 7.7e6, 1.7e-3, 1.3
+    m = RecordedRun(input_deck("nose_gear_drop", "time.end=0.2"))
+    s, p = m["elements/strut/stroke"], m["elements/strut/gas_pressure"]
+    opened = p > p_2
+    left = V_1 * (p_1 / p) ** (1 / n_1) + V_2 * (p_2 / p) ** (1 / n_2)
+    assert opened.sum() > 100
+    assert left[opened] == pytest.approx(V_1 + V_2 - 0.011589 * s[opened], rel=1e-12)
+    assert np.ptp(m["energy/balance"]) < 3e-6 * m["energy/dissipated"][-1]

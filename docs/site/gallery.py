@@ -43,6 +43,7 @@ PLOTS = {
     "landing_roll": "wheel.normal_force",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
     "main_gear": "wheel.normal_force,wheel.longitudinal_force",
+    "nose_gear_drop": "strut.compression_force:strut.stroke",
     "nose_wheel_steering": "command.value,steering.angle,piston.value",
     "oleo_drop": "strut.compression_force:strut.stroke",
     "separation": "stage.velocity.z,payload.velocity.z",
