@@ -1,238 +1,96 @@
-"""Signals that measure the loads of elements: they equal the outputs of the elements, also in conditions."""
+"""Measured curves in plots of a run."""
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck
+from time_runs import deck
 
-from mecano.analyses.kind_samples import samples
-from mecano.analyses.output_tests import sensor_of
-from mecano.analyses.prepare import prepare
-from mecano.elements import KINDS
-from mecano.errors import DeckError
-from mecano.jit import ahead, store
-from mecano.jit.ahead import compile_ahead
-from mecano.model import loops
-from mecano.model.loop_code import codes_of
-from mecano.model.measured_outputs import measurable
-from mecano.model.signal_units import signal_units
+import mecano
+from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.post.columns import columns_of
+from mecano.post.curve_styles import CurveStyles
+from mecano.post.measured import read_measured, with_measured
+from mecano.post.pictures import post, requested_sheets
+from mecano.post.runs import opened_runs
 
-SWINGING = """
-    mecano: 1
-    gravity: [0, 0, -9.81]
-    nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0.3, 0, -1]}}
-    elements:
-      load: {type: rigid_body, node: load, mass: 2, inertia: [0.1, 0.1, 0.1]}
-      held: {type: point_mass, node: top, mass: 1}
-      measured: {type: TYPE, PROPERTIES}
-    grounds: {road: {plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}}}
-    tire_laws: {rubber: {radius: 0.2, radial: {linear: {slope: 4000}}, friction: 0.6, slip_regularization: 0.5}}
-    initial: {velocities: [{nodes: [load], velocity: [0.4, 0.2, 0]}]}
-    signals: {SIGNALS}
-    time: {end: 0.6, step: 0.002}
-    """
-ON_A_PIN = """
+
+@pytest.fixture(scope="module")
+def turned(tmp_path_factory):
+    """A hinge that turns at 2 rad/s; its angle as an output, and as a signal in degrees."""
+    given = deck("""
         mecano: 1
         gravity: none
-        nodes: {bob: {position: [0, 0, 0]}}
-        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
-        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
-"""  # a body, to which sections of this indent are added
-SINE = "{sine: {amplitude: 0.1, frequency: 2, offset: 1.04}}"
-LINE = "nodes: [top, load], axial_stiffness: 4000, damping: 0.002, natural_length: "
-TURNING = "nodes: [top, load], axis: [0, 1, 0], law: {spring: 3, damper: 0.4}, natural_angle: "
-CASES = {
-    "bar": ("bar", f"{LINE} 1", ("length", "strain", "tension")),
-    "cable that goes slack": ("cable", f"{LINE} {SINE}", ("tension",)),
-    "cable by a signal": ("cable", f"{LINE} 1.04 + 0.1*sin(9*time)", ("length", "strain", "tension")),
-    "torsion spring": ("torsion_spring_damper", f"{TURNING} {{linear: {{slope: 2}}}}", ("angle", "moment")),
-    "torsion spring by a signal": ("torsion_spring_damper", f"{TURNING} 2*time", ("moment",)),
-    "spring by a signal": (
-        "spring_damper", "nodes: [top, load], law: {spring: 900, damper: 2}, natural_length: 1 - 0.1*time",
-        ("extension", "extension_rate", "force"),
-    ),
-    "contact": (
-        "contact", "nodes: [top, load], plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}, radius: 0.1",
-        ("gap", "normal_force", "force.z"),
-    ),
-    "wheel that slips": (
-        "wheel", "node: load, axis: [0, 1, 0], ground: road, tire_law: rubber",
-        (
-            "normal_force", "contact_force.x", "contact_force.magnitude", "longitudinal_slip", "spin_rate",
-            "slip_ratio", "lateral_slip",
-        ),
-    ),
-    "oleo": (
-        "oleo", "nodes: [top, load], extended_length: 1.2, gas: {pressure: 1.1e5, volume: 1.0e-3, area: 1.0e-3}, "
-        "oil: {area: 1.0e-3, volume: 1.0e-3, orifice: 1.0e-4}",
-        ("force", "gas_pressure", "oil_pressure", "flow"),
-    ),
-}  # fmt: skip
-FEW = "cable that goes slack", "spring by a signal", "contact", "wheel that slips"  # each sensor is compiled
-MORE = [pytest.param(case, marks=pytest.mark.slow) for case in CASES if case not in FEW]
-
-
-@pytest.mark.parametrize("case", [*FEW, *MORE])
-def test_a_signal_equals_the_output_that_it_measures(case):
-    kind, properties, outputs = CASES[case]
-    signals = ", ".join(f"of_{output.replace('.', '_')}: measured.{output}" for output in outputs)
-    text = SWINGING.replace("TYPE", kind).replace("PROPERTIES", properties).replace("SIGNALS", signals)
-    m = RecordedRun(deck(text))
-    smooth = ~np.isin(m.time, [event.t for event in m.event_records])  # the damping force of a cable jumps there
-    for output in outputs:
-        name, _, axis = output.partition(".")
-        values = m[f"elements/measured/{name}"][smooth]
-        if axis:
-            values = np.linalg.norm(values, axis=1) if axis == "magnitude" else values[:, "xyz".index(axis)]
-        scale = np.abs(values).max()
-        assert scale > 0.0
-        signal = m[f"signals/of_{output.replace('.', '_')}/value"][smooth]
-        np.testing.assert_allclose(signal, values, atol=1e-9 * scale, err_msg=output)
-
-
-def test_a_cable_breaks_at_a_tension(verify):
-    """A force of 20 N/s is added to a weight of 19.62 N: the tension is their sum once the cable lengthens steadily.
-
-    The oscillation before has decayed by exp(-40): w = sqrt(EA/(L m)) = 316 rad/s, and the damping is tau w/2 = 0.32.
-    """
-    m = RecordedRun(
-        deck("""
-        mecano: 1
-        gravity: [0, 0, -9.81]
-        nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0, 0, -1]}}
-        elements:
-          load: {type: point_mass, node: load, mass: 2}
-          rope: {type: cable, nodes: [top, load], axial_stiffness: 2.0e5, damping: 2 ms, natural_length: 1/1.0000981,
-                 release: {when: rope.tension > 27.62}}
-        loads: {pull: {type: force, node: load, direction: [0, 0, -1], value: {linear: {slope: 20}}}}
-        time: {end: 0.5, step: 1.0e-3}
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+        joints: {hinge: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}}
+        signals: {turned: {type: formula, value: hinge.angle, unit: deg}}
+        initial: {velocities: [{nodes: [a], angular_velocity: [0, 0, 2]}]}
+        time: {end: 1, step: 0.01}
         """)
-    )
-    (broken,) = m.event_records
-    what = "cable that breaks at 27.62 N: instant [s]"
-    verify("Release", what, broken.t, 0.4, "20 N/s added to the weight", absolute=1e-7)
-    z, speed = m["nodes/load/position"][:, 2], m["nodes/load/velocity"][:, 2]
-    after = m.time > broken.t
-    i = int(np.flatnonzero(after)[0])
-    fall = speed[i] - 9.81 * (m.time - m.time[i]) - 10.0 * (m.time**2 - m.time[i] ** 2) / 2.0
-    np.testing.assert_allclose(speed[after], fall[after], atol=1e-6)
-    assert z[-1] < z[i]
+    path = tmp_path_factory.mktemp("measured") / "turned.h5"
+    mecano.run(mecano.Deck(given.resolved()), path, quiet=True).close()
+    return path
 
 
-def test_the_motion_of_a_node_and_that_of_its_body_of_the_same_name():
-    """The centre of mass is (0, 0, -1) m from the node; about a fixed node it moves and the node does not."""
-    text = """
-    mecano: 1
-    gravity: [0, 0, -9.81]
-    nodes: {bar: {position: [0, 0, 0]}}
-    elements: {bar: {type: rigid_body, node: bar, mass: 2, center_of_mass: [0, 0, -1], inertia: [0.1, 0.1, 0.1]}}
-    joints: {pin: {type: hinge, nodes: [ground, bar], axis: [0, 1, 0]}}
-    initial: {velocities: [{nodes: [bar], angular_velocity: [0, 0.5, 0]}]}
-    signals: {of_node: bar.velocity.x, of_body: elements.bar.velocity.x}
-    time: {end: 0.1, step: 0.01}
-    """
-    m = RecordedRun(deck(text))
-    np.testing.assert_allclose(m["signals/of_node/value"], 0.0, atol=1e-12)
-    np.testing.assert_allclose(m["signals/of_body/value"], m["elements/bar/velocity"][:, 0], atol=1e-12)
-    assert np.abs(m["signals/of_body/value"]).min() > 0.3
+def table(folder, text):
+    path = folder / "test.csv"
+    path.write_text(text)
+    return path
+
+
+def points(run, path, *plots):
+    [sheet] = with_measured(requested_sheets(plots, (), [run]), read_measured(path, run))
+    return sheet, [curve for curve in sheet.curves if curve.measured]
+
+
+def test_columns_are_drawn_in_the_units_of_the_plot(turned, tmp_path):
+    """Milliseconds and degrees, for an output in radians and a signal in degrees; an empty cell is a gap."""
+    path = table(tmp_path, "# bench\ntime [ms]; hinge.angle (deg); turned\n250; 30; 0.5\n500; ; 1\n")
+    with opened_runs([turned]) as [run]:
+        for plot, values in (("hinge.angle", [np.pi / 6, np.nan]), ("turned", np.degrees([0.5, 1]))):
+            sheet, [curve] = points(run, path, plot)
+            np.testing.assert_allclose(curve.x.values, [0.25, 0.5])
+            np.testing.assert_allclose(curve.y.values, values)
+            assert curve.measured == "test.csv"
+            assert [handle.get_label() for handle in CurveStyles(sheet).legend(sheet.panels[0])][1:] == ["test.csv"]
+            assert len(columns_of(sheet.curves)[0]) == 2  # without the measured values
+
+
+def test_a_plot_over_another_output_and_one_that_was_not_measured(turned, tmp_path):
+    path = table(tmp_path, "hinge.angle, hinge.rate\n0.1, 2\n0.2, 2\n")
+    with opened_runs([turned]) as [run]:
+        assert len(points(run, path, "hinge.rate:hinge.angle")[1]) == 1
+        with pytest.raises(UsageError, match="no requested plot shows two of the columns of test.csv: hinge.angle"):
+            points(run, path, "hinge.rate")
 
 
 @pytest.mark.parametrize(
-    ("formula", "unit"),
+    ("text", "error", "message"),
     [
-        ("sin(pin.angle)", "-"), ("1 + tanh(pin.angle)", "-"), ("sqrt(abs(pin.angle))", "SI"), ("exp(pin.angle)", "-"),
-        ("atan(pin.rate) - pin.angle", "rad"), ("-abs(pin.angle)", "rad"), ("max(pin.force.x, 2)", "N"),
-        ("sqrt(bob.velocity.x**2 + bob.velocity.y**2)", "m/s"), ("bob.velocity.x/hypot(bob.velocity.y, 0.1)", "-"),
-        ("nodes.bob.position.x*pin.rate", "m/s"), ("pin.moment.x*pin.rate", "W"), ("pin.moment.x/pin.angle", "N m/rad"),
-        ("pin.rate - bob.velocity.x/nodes.bob.position.y", "rad/s"), ("pin.rate*time", "rad"), ("2*pin.rate", "SI"),
-        ("pin.force.x/nodes.bob.position.x**2", "Pa"), ("pin.force.x/time/bob.velocity.x**2", "N s/m2"),
-        ("2**3 + pin.angle", "rad"), ("pin.rate**2*nodes.bob.position.x", "m/s2"), ("1/pin.rate", "SI"),
+        ("0, 1\n1, 2\n", UsageError, "a line of headers"),
+        ("time, hinge.angle\n", UsageError, "rows of numbers"),
+        ("time, hinge.angle\n0, 1\n1\n", UsageError, "2 numbers needed in each row, got '1'"),
+        ("time, hinge.angle\n0, x\n", UsageError, "2 numbers needed in each row, got '0, x'"),
+        ("time, hinge.angle [kN]\n0, 1\n", UsageError, "'hinge.angle .kN.': an angle .* is expected"),
+        ("time, hinge.angel\n0, 1\n", UnknownNameError, "hinge.angle"),
+        ("time, a.position\n0, 1\n", UsageError, "several numbers"),
     ],
-)  # fmt: skip
-def test_functions_have_units_of_their_own(formula, unit):
-    of_pendulum = (
-        ON_A_PIN
-        + """
-        signals: {read: "FORMULA"}
-        time: {end: 1, step: 0.1}
-        """
-    )
-    model = prepare(deck(of_pendulum.replace("FORMULA", formula))).system.model
-    assert signal_units(model) == {"signals/read/value": unit}
+)
+def test_what_is_refused(turned, tmp_path, text, error, message):
+    with opened_runs([turned]) as [run], pytest.raises(error, match=message):
+        read_measured(table(tmp_path, text), run)
 
 
-def test_states_of_a_controller_have_the_units_of_value_and_error():
-    """Of u = K_P e + x_I + K_D/T_D (e - x_D), x_I has the unit of u and x_D that of e, here an angular velocity."""
-    text = (
-        ON_A_PIN
-        + """
-        signals:
-          torque: {type: pid, input: 3 - pin.rate, integral: 2, derivative: 1, derivative_time: 0.1, unit: kN m}
-          fast: {type: washout, input: pin.angle, gain: 10, time_constant: 0.1}
-          turned: {type: integrator, input: fast*pin.moment.z}
-          slow: {type: washout, input: pin.angle, gain: 5, time_constant: 0.1}
-        time: {end: 1, step: 0.1}
-        """
-    )
-    assert signal_units(prepare(deck(text)).system.model) == {
-        "signals/torque/value": "N m", "signals/torque/integral": "N m", "signals/torque/filtered": "rad/s",
-        "signals/fast/value": "rad/s", "signals/fast/state": "rad", "signals/turned/value": "N m",
-        "signals/slow/value": "SI", "signals/slow/state": "rad",
-    }  # fmt: skip
+def test_a_file_that_cannot_be_read(turned, tmp_path):
+    with opened_runs([turned]) as [run], pytest.raises(ResultsError, match=r"cannot read .*absent\.csv"):
+        read_measured(tmp_path / "absent.csv", run)
 
 
-def test_signals_have_the_unit_of_the_field_whose_value_they_are():
-    """So has the signal that a lag follows; one that is a force and a moment has none, and a unit in the deck holds."""
-    text = (
-        ON_A_PIN
-        + """
-        signals:
-          wanted: 20*(0.1 - pin.angle)
-          torque: {type: lag, input: wanted, time_constant: 0.1}
-          both: 3*time
-          target: {type: curve, input: time, law: {linear: {slope: 2 deg/s}}}
-          slow: {type: lag, input: later, time_constant: 0.1}
-          later: 0.3*time
-          missing: max(target - pin.angle, slow)
-          share: {type: formula, value: 2*time, unit: "1"}
-        loads:
-          motor: {type: joint_moment, joint: pin, value: torque}
-          brake: {type: joint_moment, joint: pin, value: "0.2*hypot(bob.velocity.x, bob.velocity.y)"}
-          turn: {type: moment, node: bob, direction: [0, 0, 1], value: both}
-          push: {type: force, node: bob, direction: [0, 0, 1], value: both}
-          pull: {type: force, node: bob, direction: [0, 0, 1], value: share}
-          rub: {type: force, node: bob, direction: [0, 0, 1], value: pin.angle + pin.moment.x/pin.moment.y}
-        time: {end: 1, step: 0.1}
-        """
-    )
-    assert prepare(deck(text)).system.signal_units == {
-        "signals/wanted/value": "N m", "signals/torque/value": "N m", "signals/both/value": "SI",
-        "signals/target/value": "rad", "signals/slow/value": "rad", "signals/later/value": "rad",
-        "signals/missing/value": "rad", "signals/share/value": "-", "formulas/time/value": "s",
-        "formulas/0.2*hypot(bob.velocity.x, bob.velocity.y)/value": "SI",
-        "formulas/pin.angle + pin.moment.x\N{DIVISION SLASH}pin.moment.y/value": "rad",
-    }  # fmt: skip
+def test_without_plots_every_column_has_a_picture(turned, tmp_path):
+    path = table(tmp_path, "time, hinge.angle, hinge.rate\n0, 0, 2\n1, 2, 2\n")
+    drawn = list(post([turned], measured=path, output=f"{tmp_path}/"))
+    assert [picture.name for picture in drawn] == ["turned_hinge.angle.png", "turned_hinge.rate.png"]
 
 
-def test_an_unknown_name_in_what_is_measured_is_the_only_error():
-    """The outputs of a wheel depend on its tyre law; if this is unknown, only its name is reported."""
-    text = SWINGING.replace("TYPE", "wheel").replace("PROPERTIES", CASES["wheel that slips"][1])
-    text = text.replace("SIGNALS", "slip: measured.slip_ratio").replace("tire_law: rubber", "tire_law: ruber")
-    with pytest.raises(DeckError) as error:
-        deck(text)
-    assert [problem.message for problem in error.value.problems] == ["wheel 'measured': unknown tire law 'ruber'"]
-
-
-@pytest.mark.slow
-def test_sensors_of_all_kinds_compile(monkeypatch):
-    """The generic tests call them as plain Python, which accepts more."""
-    monkeypatch.setattr(ahead, "cores", lambda: 2)  # one process would compile none of them ahead
-    codes = {}
-    for kind in KINDS.values():
-        for instance in (one for sample in samples(kind) for one in sample.instances):
-            if instance.kind.observe is not None and measurable(instance.kind):
-                sensor = sensor_of(instance, 0).kind
-                codes |= {
-                    (sensor.name, loop): codes_of(sensor, loop).function for loop in (loops.tangent, loops.residual)
-                }
-    compile_ahead(list(codes.values()))
-    assert [name for (name, _), code in codes.items() if not store.contains(code.file)] == []
+def test_time_over_an_output(turned, tmp_path):
+    [picture] = post([turned], ["time:hinge.angle"], output=f"{tmp_path}/")
+    assert picture.exists()

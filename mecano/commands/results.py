@@ -17,6 +17,7 @@ class Pictures(NamedTuple):
     kind: str
     columns: bool
     below: float | None
+    measured: str | None
 
 
 class Pages(NamedTuple):
@@ -45,6 +46,10 @@ class Pages(NamedTuple):
 @click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
 @click.option("--title", help="Title of the pictures; default: the title of the deck.")
 @click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
+@click.option(
+    "--measured", metavar="FILE.csv", type=click.Path(),
+    help="Draw its columns, named by their headers as outputs, as points into the plots of these.",
+)  # fmt: skip
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
@@ -142,8 +147,8 @@ def _refuse_strays(results, pictures):
     """Raise UsageError for options that do not apply to pages."""
     if len(results) > 1:
         raise click.UsageError("--animate and --report take one results file")
-    at, output, kind, columns, below = pictures
-    given = {"at": at, "output": output, "format": kind != "png", "csv": columns, "below": below}
+    given = pictures._asdict()
+    given |= {"format": given.pop("kind") != "png", "csv": given.pop("columns")}
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")

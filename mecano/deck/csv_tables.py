@@ -8,6 +8,7 @@ import csv
 import os
 import re
 from array import array
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -107,7 +108,7 @@ class _Reading:
 
     def table(self):
         """Return the Table of all valid rows."""
-        delimiter = _delimiter(self.source.each_line())
+        delimiter = delimiter_of(self.source.each_line())
         rows = csv.reader(self._lines(), delimiter=delimiter, skipinitialspace=True)
         try:
             for cells in rows:
@@ -221,6 +222,7 @@ class _Reading:
         self.scope.refuse(Node(None, self.source, line), message, hint)
 
 
-def _delimiter(lines):
+def delimiter_of(lines: Iterable[str]) -> str:
+    """Return the mark that separates columns: that of the first line which is neither empty nor a comment."""
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
     return next((mark for mark in "\t;" if mark in first), ",")

@@ -16,10 +16,10 @@ def columns_of(curves: "Iterable[Curve]", run_labels: Sequence[str] = ()) -> lis
     """Return curves as rows of a table: columns with names and units, each after the one over which it is plotted.
 
     ``run_labels`` prefix the names if there are several runs. Columns shared by curves are written once. Columns may
-    differ in length, as files or step sizes differ.
+    differ in length, as files or step sizes differ. Measured curves are left out.
     """
     columns: dict[tuple[str, str, str], tuple[str, np.ndarray]] = {}  # by run, clock and path: heading and values
-    for curve in curves:
+    for curve in (curve for curve in curves if not curve.measured):
         run = run_labels[curve.run] if run_labels else ""
         for quantity in (curve.x, curve.y):
             key = (run, quantity.clock, quantity.path)

@@ -10,6 +10,9 @@ from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
+MEASURED: dict[str, Any] = {
+    "color": INK, "linestyle": "none", "marker": "o", "markersize": 3.5, "markerfacecolor": "none", "zorder": 3,
+}  # fmt: skip
 OTHERS: dict[str, Any] = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
 MOST_STYLED = 16  # elements with a style of their own: more could not be identified in the legend
 
@@ -50,6 +53,8 @@ class CurveStyles:
 
     def style(self, curve: Curve, panel: Panel) -> dict[str, Any]:
         """Return options of ``Axes.plot`` for a curve."""
+        if curve.measured:
+            return dict(MEASURED)
         colour, dashes = self._key(curve, panel)
         if dashes >= len(DASHES):
             return OTHERS
@@ -106,16 +111,16 @@ class CurveStyles:
     def legend(self, panel: Panel) -> list[Line2D]:
         """Return the legend of a panel, without the entries of the legend of the sheet."""
         several = len(panel.subjects) > 1 and self._sheet is None
-        named = len(panel.quantities) > 1 or any(curve.reference for curve in panel.curves)
+        named = len(panel.quantities) > 1 or any(curve.reference or curve.measured for curve in panel.curves)
         handles, others = {}, set()
         for equal in self.drawn(panel):
             curve, style = equal[0], self.style(equal[0], panel)
-            text = _text(equal, several, named)
+            text = curve.measured or _text(equal, several, named)
             if style is OTHERS:
                 reported = several or curve.subject in self._subjects(panel)
                 others |= {text} if reported and text else set()
             elif text and text not in handles:
-                if self.handles() and not curve.reference:
+                if self.handles() and not curve.reference and not curve.measured:
                     style["color"] = INK
                 handles[text] = Line2D([], [], label=text, **style)
         return list(handles.values()) + _others(len(others - set(handles)))
@@ -123,6 +128,8 @@ class CurveStyles:
 
 def _text(equal, several, named):
     """Return the entry of equal curves: elements, if there are ``several``, and quantities, if they are ``named``."""
+    if not several and any(one.y.of_signal for one in equal):
+        return joined(one.y.owned for one in equal)
     quantities = {one.y.what for one in equal}
     if several and named and len(quantities) == 1:
         return f"{joined(one.subject for one in equal)}: {quantities.pop()}"

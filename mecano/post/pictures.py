@@ -12,6 +12,7 @@ from mecano.post.configurations import configurations_figure, times_of
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.loci import sweep_figure
+from mecano.post.measured import read_measured, with_measured
 from mecano.post.mode_shapes import modes_figure
 from mecano.post.nyquist import margins_figure
 from mecano.post.request import Request, requested_sheet
@@ -53,6 +54,7 @@ def post(
     title: str | None = None,
     at: str | None = None,
     below: float | None = None,
+    measured: str | os.PathLike[str] | None = None,
     force: bool = False,
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
@@ -80,6 +82,9 @@ def post(
         ``plots``.
     below : float
         Frequency [Hz] above which the picture of a sweep omits modes; by default ``loci.shown_modes``.
+    measured : str or Path
+        CSV file of measured outputs (measured.py), drawn as points into the ``plots``; without any, its columns are
+        plotted over the first.
     force : bool
         Also replace pictures and tables that mecano has not written.
 
@@ -91,7 +96,9 @@ def post(
         A file cannot be read, or a picture cannot be written.
     """
     formats = {path: format_of(path) for path in paths}
-    _refuse_together(formats, plots, {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title})
+    _refuse_together(
+        formats, plots, {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title, "--measured": measured}
+    )
     if below is not None and {*formats.values()} != {sweep_file.FORMAT}:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
     if ALONE.keys() & formats.values():
@@ -100,15 +107,19 @@ def post(
         )
         return
     with opened_runs(paths) as runs:
-        pictures, times = _pictures(runs, plots, spectra, at)
+        pictures, times = _pictures(runs, plots, spectra, at, measured)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
 
 
-def _pictures(runs, plots, spectra, at):
+def _pictures(runs, plots, spectra, at, measured):
     """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
+    points = read_measured(measured, runs[0]) if measured else None
+    plots = plots or (points.plots() if points else ())
     times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs)
+    if points:
+        requested = with_measured(requested, points)
     return [(sheet, sheet_figure) for sheet in requested] if requested or times else _default_pictures(runs), times
 
 

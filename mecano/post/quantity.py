@@ -129,9 +129,10 @@ def _as_declared(results, quantity):
 
 def _declared_unit(results, path):
     """Return (unit, its value in SI) that the deck declares for an output, or ("", 1)."""
-    section, *owner, output = path.split("/")
+    section, _, rest = path.partition("/")
+    owner, _, output = rest.rpartition("/")
     known = results.resolved.get("signals", {}) if (section, output) == ("signals", "value") else {}
-    unit = known.get("/".join(owner), {}).get("unit", "-")
+    unit = known.get(owner, {}).get("unit", "-")
     return ("", 1.0) if unit == "-" else (unit, factor_of(unit, ANY))
 
 

@@ -20,7 +20,8 @@ EQUAL = 1e-6  # of the magnitude: curves that differ by less are equal
 class Curve:
     """One quantity over another, of the run of index ``run`` and the element, joint, load or node ``subject``.
 
-    A ``reference`` is shown for comparison. ``peak`` is value and time [s] of largest magnitude over all accepted
+    A ``reference`` is shown for comparison. ``measured`` is the name of the file of a measured curve, empty for that of
+    a run. ``peak`` is value and time [s] of largest magnitude over all accepted
     steps, which saved times may miss; empty if unknown.
     """
 
@@ -30,12 +31,13 @@ class Curve:
     subject: str
     reference: bool = False
     peak: Peak = ()
+    measured: str = ""
 
     def equals(self, other: "Curve") -> bool:
         """Return whether a curve of the same run has the same values over the same abscissae."""
-        alike = self.run == other.run and self.reference == other.reference
+        kinds = (self.run, self.reference, self.measured), (other.run, other.reference, other.measured)
         pairs = (self.x.values, other.x.values), (self.y.values, other.y.values)
-        return alike and all(len(a) == len(b) and _equal(a, b) for a, b in pairs)
+        return kinds[0] == kinds[1] and all(len(a) == len(b) and _equal(a, b) for a, b in pairs)
 
 
 @dataclass(frozen=True)
@@ -82,8 +84,9 @@ class Panel:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of the different quantities except references."""
-        return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
+        """Names of the different quantities except references and measured ones."""
+        own = [curve for curve in self.curves if not curve.reference and not curve.measured]
+        return tuple(dict.fromkeys(curve.y.what for curve in own))
 
 
 def _equal(a, b):
