@@ -9,10 +9,11 @@ directions N and reactions with
 
 Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: positions along the motion, angles of spin
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. If Newton's method
-halves many steps, the state is relaxed first, against a drag that decreases with the forces, and Newton's method
-continues from there; the same is done if the mechanism ends in another shape, as a vehicle whose wheels just touch may
-balance on one of them. A rotation that is not found in this way is followed from rest (spin_up.py). Signals may have
-any unit: their changes limit no step, and the drag of the relaxation does not act on them.
+halves many steps, or the mechanism ends in another shape, as a vehicle whose wheels just touch may balance on one of
+them, it begins again from a start that is lowered onto its wheels (lowered_start.py). If this does not help, the state
+is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there. A rotation
+that is not found in this way is followed from rest (spin_up.py). Signals may have any unit: their changes limit no
+step, and the drag of the relaxation does not act on them.
 
 The forces are in balance to 1e-9 of the largest one, or to the rounding of the positions times the stiffness: in a
 straight shaft that turns, no other forces act.
@@ -27,6 +28,7 @@ from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.modal.lowered_start import lowered
 from mecano.solve.time.increments import displaced, reach_of
 
 if TYPE_CHECKING:
@@ -90,6 +92,8 @@ class Steady:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
         s, arrived = self._newton(self.begun(start), HALVINGS)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
+            s, arrived = self._from_below(start, s, arrived)
+        if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
             crept, settled = self._newton(self.motion.without_drift(start, self._creep(self.begun(start))))
             if not (arrived or settled):
                 s, arrived = self._newton(self.begun(start))
@@ -101,6 +105,15 @@ class Steady:
         self.motion.require_steady(self, s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
         return s
+
+    def _from_below(self, start, s, arrived):
+        """Return (state, whether it is steady) from ``start`` lowered onto its wheels; ``s`` unless that is nearer."""
+        low = lowered(self, start)
+        if low is None:
+            return s, arrived
+        new, found = self._newton(low)
+        better = found and (not arrived or self.reshaped(start, new) < self.reshaped(start, s))
+        return (new, True) if better else (s, arrived)
 
     def begun(self, start: "State") -> "State":
         """Return a State at the positions of ``start`` with the velocities of the motion, without reactions."""
@@ -230,7 +243,7 @@ class Steady:
         """Return the step of an iteration, or of relaxation if ``drag``: (changes of q, spins, reactions), largest q.
 
         The largest change of q is in length scales or rad, except signals, which may have any unit and have no drag;
-        inf if the equations are not finite.
+        inf if the equations are not finite or cannot be solved.
         """
         n_q, spins, k = self.n_q, N.shape[1], at.k
         rows = np.where(self.of_rates, self.length / self.speed, 1.0)
@@ -245,7 +258,10 @@ class Steady:
         with np.errstate(divide="ignore"):
             weight[self.signals] = size.max(initial=0.0) / size[self.signals]
         weight[~np.isfinite(weight)] = 0.0  # nothing reads these signals: they keep their initial values
-        x = weight * np.linalg.lstsq(A * weight, b, rcond=RANK)[0]
+        try:
+            x = weight * np.linalg.lstsq(A * weight, b, rcond=RANK)[0]
+        except np.linalg.LinAlgError:  # the iteration for the singular values may fail where many of them are zero
+            return None, np.inf
         spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]
         return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[self.moving]).max(initial=0.0)) / self.length
 

@@ -1,0 +1,91 @@
+"""Steady running from a start in which wheels are in the air or just touch: lowered onto them."""
+
+import numpy as np
+import pytest
+from test_motorcycle import BODIES, DECK, WHEELBASE
+from time_runs import deck
+
+from mecano.analyses.initial_state import set_initial_state
+from mecano.analyses.prepare import prepare
+from mecano.errors import ConvergenceError
+
+CART = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    parameters: {level: 0, pitch: 0, lift: 0 N m, drag: 0 N, rise: sin($pitch)}
+    nodes:
+      body: {position: [0, 0, 0.4 + $rise]}
+      front_axle: {position: [cos($pitch), 0, 0.4 + 2*$rise]}
+      rear_axle: {position: [-cos($pitch), 0, 0.4]}
+      front: {position: [cos($pitch), 0, 0.4 + 2*$rise]}
+      rear: {position: [-cos($pitch), 0, 0.4]}
+    elements:
+      body: {type: rigid_body, node: body, mass: 100, inertia: [10, 40, 40], attached: [front_axle, rear_axle]}
+      front: {type: rigid_body, node: front, mass: 5, inertia: [0.2, 0.4, 0.2]}
+      rear: {type: rigid_body, node: rear, mass: 5, inertia: [0.2, 0.4, 0.2]}
+      front_tyre: {type: wheel, node: front, axis: [0, 1, 0], tire_law: rubber, ground: road}
+      rear_tyre: {type: wheel, node: rear, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints:
+      upright: {type: planar, nodes: [ground, body], axis: [0, 1, 0]}
+      front_bearing: {type: hinge, nodes: [front_axle, front], axis: [0, 1, 0]}
+      rear_bearing: {type: hinge, nodes: [rear_axle, rear], axis: [0, 1, 0]}
+    loads:
+      lift:
+        type: moment
+        node: body
+        direction: [0, -1, 0]
+        value: $lift - 1000*(front.position.z - rear.position.z)
+      drag: {type: force, node: body, direction: [-1, 0, 0], value: $drag}
+    tire_laws: {rubber: {radius: 0.4, radial: {linear: {slope: 1.0e6}}, friction: 0.8, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, $level], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [10, 0, 0]}}
+    time: {end: 1, step: 0.01}
+"""
+
+
+def steady(text, **parameters):
+    """Return (Prepared in steady running, warnings) with other ``parameters`` that are zero in the text."""
+    for name, value in parameters.items():
+        text = text.replace(f"{name}: 0", f"{name}: {value}", 1)
+    prepared = prepare(deck(text))
+    return prepared, set_initial_state(prepared)
+
+
+def loads(prepared):
+    """Return {wheel: normal force [N]}."""
+    system, found = prepared.system, {}
+    outputs = system.observe(prepared.state).outputs
+    for batch in system.batches:
+        names = [output.name for output in batch.kind.outputs]
+        if "normal_force" in names:
+            values = batch.outputs(outputs)[:, names.index("normal_force")]
+            found |= {path: float(value) for (path, _), value in zip(batch.paths, values, strict=True)}
+    return found
+
+
+@pytest.mark.parametrize("height", [0.02, 1e-3, 0.0])
+def test_a_motorcycle_above_its_road_stands_on_both_wheels(height):
+    """Not on the rear one. The loads are those of the weights on a level beam; the wheels sink by 1.4e-4 m."""
+    text = DECK.replace("SPEED", "32.5").replace("1.0e8", "1.0e7").replace("RELAXATION", "0.2438")
+    prepared, warnings = steady(text.replace("point: [0, 0, 0]", f"point: [0, 0, {-height}]"))
+    masses, centres = np.array([b[0] for b in BODIES]), np.array([b[1][0] for b in BODIES])
+    front = 9.81 * float(masses @ centres) / WHEELBASE
+    found = loads(prepared)
+    assert found["elements/front_tyre"] == pytest.approx(front, rel=1e-3)
+    assert found["elements/rear_tyre"] == pytest.approx(9.81 * masses.sum() - front, rel=1e-3)
+    assert warnings == ()
+
+
+def test_equations_that_cannot_be_solved_are_a_failure_of_the_search(monkeypatch):
+    """LAPACK's singular values may not converge for singular equations."""
+
+    lstsq = np.linalg.lstsq
+
+    def failing(a, b, rcond=None):
+        if a.shape[0] == a.shape[1]:
+            return lstsq(a, b, rcond)
+        raise np.linalg.LinAlgError("SVD did not converge in Linear Least Squares")
+
+    monkeypatch.setattr(np.linalg, "lstsq", failing)
+    with pytest.raises(ConvergenceError, match="no straight steady running"):
+        steady(CART)
