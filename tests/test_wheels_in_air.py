@@ -1,4 +1,4 @@
-"""Steady running from a start in which wheels are in the air or just touch: lowered onto them."""
+"""Steady running from a start in which wheels are in the air or just touch: lowered onto them, or the wheels named."""
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from time_runs import deck
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import prepare
 from mecano.errors import ConvergenceError
+from mecano.maths.root import root
 
 CART = """
     mecano: 1
@@ -74,6 +75,40 @@ def test_a_motorcycle_above_its_road_stands_on_both_wheels(height):
     assert found["elements/front_tyre"] == pytest.approx(front, rel=1e-3)
     assert found["elements/rear_tyre"] == pytest.approx(9.81 * masses.sum() - front, rel=1e-3)
     assert warnings == ()
+
+
+def pitch_on_one_wheel(lift):
+    """Return the pitch [rad] of the cart in the air in front, at which the moments about its rear axle balance."""
+    return root(lambda a: 1000.0 * np.cos(a) + 50.0 * 2.0 * np.cos(a) - lift + 2000.0 * np.sin(a), 0.0, 1.0)
+
+
+@pytest.mark.parametrize("level", [-0.05, 0.0, 2e-3])
+def test_a_wheel_that_a_moment_lifts_off_is_named(level):
+    """The cart stands steadily on its rear wheel, which sinks by 1.1 mm."""
+    with pytest.raises(ConvergenceError) as error:
+        steady(CART, lift=1500, level=level)
+    said = str(error.value)
+    assert "steady motion was found only with wheels in the air" in said and "rear_tyre" not in said
+    height = float(said.partition("wheel 'front_tyre', ")[2].partition(" mm above its ground")[0])
+    assert height == pytest.approx(2e3 * np.sin(pitch_on_one_wheel(1500.0)) - 1.1, abs=0.51)
+
+
+def test_a_wheel_that_starts_in_the_air_may_stay_there():
+    """With a warning, from a start with the pitch of one wheel on the ground."""
+    pitch = pitch_on_one_wheel(1500.0)
+    prepared, (warning,) = steady(CART, lift=1500, pitch=pitch)
+    assert warning.startswith("wheel 'front_tyre' is in the air in the steady motion at the start")
+    assert loads(prepared)["elements/rear_tyre"] == pytest.approx(1100.0, rel=1e-6)
+    assert steady(CART, lift=500)[1] == ()
+
+
+def test_a_failure_names_the_wheels_without_load_at_the_start():
+    """No drive balances the drag, so that there is no steady running at this speed."""
+    for level, named in ((-0.05, True), (0.01, False)):
+        with pytest.raises(ConvergenceError, match="no straight steady running") as error:
+            steady(CART, drag=100, level=level)
+        for name in ("front_tyre", "rear_tyre"):
+            assert (f"wheel '{name}' carries no load at the start: lower it by 50 mm" in str(error.value)) == named
 
 
 def test_equations_that_cannot_be_solved_are_a_failure_of_the_search(monkeypatch):

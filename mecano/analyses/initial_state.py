@@ -29,7 +29,9 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
         return equilibrium(prepared)
     if not initial["steady"]:
         return ()
-    from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, and is not needed by other decks
+    # these take 0.2 s to import, and are not needed by other decks
+    from mecano.analyses.wheels_in_air import lift_off_warnings, unloaded_text
+    from mecano.solve.modal.steady import NOTICEABLE, Steady
 
     requested, before = prepared.state.v.copy(), prepared.state
     steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
@@ -39,10 +41,14 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
             prepared.system, prepared.state, prepared.length, prepared.analysis, before=prepared.compliance
         )
     except ConvergenceError as error:
-        raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
+        unloaded = unloaded_text(prepared.system, before)
+        raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared), unloaded])) from None
     if disturbed:
         prepared.state.v += requested
-    return tuple(_displacement_warnings(prepared, steady.change_of_shape(before, prepared.state)))
+    moved, noticeable = steady.change_of_shape(before, prepared.state), NOTICEABLE * prepared.length
+    reshaped = bool(moved.max(initial=0.0) > noticeable)
+    lifted = lift_off_warnings(prepared.system, before, prepared.state, noticeable, reshaped)
+    return (*lifted, *_displacement_warnings(prepared, moved))
 
 
 def _steady_motion(prepared):
