@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from mecano.errors import ConvergenceError
-from mecano.solve.modal.modes_dense import dense
+from mecano.solve.modal.modes_dense import dense, unstrained
 from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.refined_mode import refined, without_strain
 from mecano.solve.modal.separated_basis import separated_basis
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
 ROUNDED = 1e-12  # of the same: inertia and damping forces that are rounding errors, as K y is where stiff forces cancel
+OF_ENTRIES = 1e-16  # of the largest stiffness: rounding error of its entry
 EIGENVALUES = 1e-14  # of the largest squared eigenvalue: rounding error of all eigenvalues of a dense matrix
 LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE times it is rounding error
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
@@ -126,8 +127,10 @@ def poles_up_to(lin: "Linearization", omega: float) -> np.ndarray:
 def _found(scaled, lin, number, method):
     """Return the Modes of a method."""
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
-    exact = method == "dense" and scaled.on_velocity.any()  # then free motions already have the eigenvalue zero
-    values, shapes = _one_of_each_pair(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
+    free = _free_shapes(scaled) if method == "dense" else np.zeros((0, scaled.n_q))
+    exact = method == "dense" and scaled.on_velocity.any() and np.sum(values == 0.0) >= len(free)  # zeros are deflated
+    found = _plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes, free)
+    values, shapes = _one_of_each_pair(*found)
     order = np.argsort(np.abs(values), kind="stable")
     growing = [i for i in order[number:] if _kind(values[i]) in GROWING]
     chosen = np.array([*order[:number], *growing], int)
@@ -176,8 +179,12 @@ def _normal(shape):
     return shape / largest if largest else shape
 
 
-def _with_free(scaled, values, shapes):
-    """Return the pairs, with those without stiffness replaced by a basis of their space with eigenvalue zero."""
+def _with_free(scaled, values, shapes, free):
+    """Return the pairs, with those without stiffness replaced by a basis of their space with eigenvalue zero.
+
+    ``free`` (m, n_q) are further shapes of this space: eigenvectors of a zero that rounding perturbs may be too few.
+    """
+    values, shapes = np.concatenate([np.zeros(len(free)), values]), np.concatenate([free, shapes])
     largest = np.abs(values).max(initial=0.0)
     still = np.array([_is_free(scaled, value, y, largest) for value, y in zip(values, shapes, strict=True)], bool)
     if not still.any():
@@ -208,20 +215,43 @@ def _plain_zeros(values, shapes):
     return values, shapes
 
 
+def _free_shapes(scaled):
+    """Return shapes (m, n_q) for which K y, up to multipliers, is rounding error."""
+    shapes = [y for y in unstrained(scaled) if np.linalg.norm(_strain(scaled, y)) <= _of_rounding(scaled, y)]
+    return np.array(shapes).reshape(-1, scaled.n_q)
+
+
+def _strain(scaled, y):
+    """Return K y, up to multipliers."""
+    r = scaled.K @ y
+    return r + scaled.D @ scaled.balancing_multipliers(r) if scaled.D.shape[1] else r
+
+
+def _of_rounding(scaled, y):
+    """Return the rounding error of K y."""
+    own = ~scaled.signals  # signals have any unit
+    K = scaled.K[own][:, own]
+    of_entries = OF_ENTRIES * np.abs(K.data).max(initial=0.0) * np.linalg.norm(y[own])
+    return max(ROUNDED * _terms(scaled, y), of_entries)
+
+
+def _terms(scaled, y):
+    """Return the magnitude of the terms of K y, or a bound of rounding."""
+    return max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
+
+
 def _is_free(scaled, value, y, largest):
     """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping vanish to rounding."""
-    size = max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
+    size = _terms(scaled, y)
     if not size:
         return abs(value) <= 1e-7 * largest
     inertia = scaled.M @ y
-    rounding = max(ROUNDED * size, EIGENVALUES * largest**2 * np.linalg.norm(inertia))
+    rounding = max(_of_rounding(scaled, y), EIGENVALUES * largest**2 * np.linalg.norm(inertia))
     forces = max(np.linalg.norm(value**2 * inertia), np.linalg.norm(value * (scaled.C @ y)))
     if forces > min(rounding, FREE * size):
         return False
-    r = scaled.K @ y
-    if scaled.D.shape[1]:
-        r = r + scaled.D @ scaled.balancing_multipliers(r)
-    return np.linalg.norm(r) <= CONVERGED * size  # no inertia or damping balances it: an error of the shape
+    error = np.linalg.norm(_strain(scaled, y))  # no inertia or damping balances it: an error of the shape
+    return error <= CONVERGED * size
 
 
 def _one_of_each_pair(values, shapes):

@@ -128,6 +128,25 @@ def _with_signals(kept, by, values, shapes):
     return whole
 
 
+def unstrained(scaled: "SmallMotions") -> np.ndarray:
+    """Return independent shapes (m, n_q) without forces of stiffness, up to rounding, but with inertia or damping.
+
+    They are as many as the motions without stiffness. ``dense`` may find fewer: where stiff forces cancel, rounding
+    links these motions in what looks like a single Jordan chain of the eigenvalue zero, which has one eigenvector.
+    """
+    kept, (M, C, K), follow = _without_signals(scaled)
+    B, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.F[:, kept], scaled.D[kept]))
+    Z = null_space(B)
+    L = _workless(D[:, ~scaled.on_velocity], B, Z)
+    L, Z = L @ null_space(D[:, scaled.on_velocity].T @ L), Z @ null_space(F @ Z)
+    _, sigma, Vt = np.linalg.svd(L.T @ K @ Z)
+    still = Z @ Vt[int(np.sum(sigma > ZERO * np.abs(K).max(initial=0.0))) :].T
+    moving = np.vstack([A @ still / (np.abs(A).max(initial=0.0) or 1.0) for A in (M, C)])
+    _, sigma, Vt = np.linalg.svd(moving)
+    count = int(np.sum(sigma > ZERO))
+    return follow(np.zeros(count), (still @ Vt[:count].T).T).real
+
+
 def _comparable(states, M, C, K):
     """Return factors of equations and units of unknowns (n,), one except for ``states`` of signals.
 

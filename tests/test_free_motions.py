@@ -1,0 +1,28 @@
+"""Motions without stiffness: their number follows from the mechanism, not from the order in which a deck is written."""
+
+import random
+from dataclasses import replace
+
+import pytest
+from time_runs import input_deck
+
+from mecano.analyses.modal import modes
+
+
+def kinds(name, seed):
+    """Kinds of the modes of a deck of inputs/ with its nodes in another order."""
+    read = input_deck(name)
+    nodes = list(read.values["nodes"].items())
+    random.Random(seed).shuffle(nodes)
+    return modes(replace(read, values={**read.values, "nodes": dict(nodes)}), None, number=100)[1].kinds
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_gear_whose_wheel_just_meets_the_ground_is_free_to_move_with_its_load_and_to_spin(seed):
+    """The load moves along three axes without stiffness; only the arm on the oleo has some."""
+    assert kinds("nose_gear_rigid", seed) == ["free"] * 4 + ["decay"] * 2
+
+
+def test_a_platform_on_mecanum_wheels_is_free_to_move_in_its_plane_and_to_turn_its_wheels():
+    """Three motions of the platform and the angles of four wheels: nothing has stiffness, so nothing else remains."""
+    assert kinds("mecanum", 1) == ["free"] * 7
