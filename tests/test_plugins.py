@@ -232,6 +232,23 @@ def test_a_tyre_law_and_a_law_in_a_deck(folder):
     assert code == 2 and "unknown key 'limited'" in err
 
 
+def test_wheels_with_a_carcass_are_tested_with_its_law(folder):
+    """Also if a field of the law has the name of a value of its carcass."""
+    code, out, _ = call("check-kind", "my_tyre.py")
+    assert code == 0 and "passed  transient_wheel: Tangents are the derivatives of the force" in out
+    text = SOURCES["my_tyre.py"].replace('"carcass_stiffness": [2e3, 3e3]', '"carcass_stiffness": None')
+    (folder / "my_tyre.py").write_text(text)
+    code, out, _ = call("check-kind", "my_tyre.py")
+    assert code == 2 and "FAILED  transient_wheel: Samples pass the check" in out
+
+
+def test_a_value_of_a_law_named_like_one_of_its_wheels_is_refused(folder):
+    text = SOURCES["my_tyre.py"].replace('"stiffness"', '"normal"').replace('"coefficient"', '"spread"')
+    (folder / "my_tyre.py").write_text(text)
+    code, _, err = call("check-kind", "my_tyre.py")
+    assert code == 2 and "the slip law 'limited' has values named normal, spread, as its wheels have" in err
+
+
 def test_an_installed_package(folder):
     """An entry point of the group mecano.kinds is found without an option; its module is imported."""
     package, info = folder / "site" / "drag_package", folder / "site" / "drag_package-1.0.dist-info"

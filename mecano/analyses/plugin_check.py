@@ -9,7 +9,8 @@ from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
 from mecano.element_interface import Kind
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import SlipLaw
-from mecano.elements.wheels.wheel import with_law
+from mecano.elements.wheels.transient_wheel import with_law as transient_wheel_with_law
+from mecano.elements.wheels.wheel import with_law as wheel_with_law
 from mecano.errors import CompilationError
 from mecano.jit.compilation_error import PLAIN_MATH
 from mecano.model.loop_code import BY_LANES, calls_of
@@ -42,12 +43,19 @@ def _tests(item):
         compiled = (check_lanes,) if item.by_lanes else ()
         return f"{item.name} (kind of '{item.section}')", _named((*OF_DECK_KINDS, *compiled), item)
     if isinstance(item, SlipLaw):
-        found = _named(OF_SLIP_LAWS, item)
-        if item.sample:
-            wheel = replace(with_law(item), sample=lambda rng: law_samples(rng, item))
-            found += _named(OF_DECK_KINDS, wheel)
-        return f"{item.name} (slip law of tyres)", found
+        return f"{item.name} (slip law of tyres)", _named(OF_SLIP_LAWS, item) + _tests_of_wheels(item)
     return f"{item.name} (term of a law)", _named(OF_TERMS, item)
+
+
+def _tests_of_wheels(law):
+    """Return [(name, function)] of the tests of the wheels that can have a SlipLaw with samples."""
+    if not law.sample:
+        return []
+    found = []
+    for make in (wheel_with_law, transient_wheel_with_law) if law.carcass else (wheel_with_law,):
+        wheel = replace(make(law), sample=lambda rng: law_samples(rng, law))
+        found += [(f"{wheel.name}: {name}", test) for name, test in _named(OF_DECK_KINDS, wheel)]
+    return found
 
 
 def check_lanes(kind: Kind) -> None:

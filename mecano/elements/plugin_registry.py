@@ -2,6 +2,7 @@
 
 from mecano.element_interface import SECTIONS, Kind
 from mecano.elements import KINDS
+from mecano.elements.wheels.record_names import names_of_wheels
 from mecano.elements.wheels.slip_law import SlipLaw
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import register as register_slip_law
@@ -27,6 +28,8 @@ def register(source, module):
         what, registry = REGISTRIES[type(item)]
         if item.name in registry:
             raise UsageError(f"plugin {source}: the name of the {what} '{item.name}' is already in use")
+        if isinstance(item, SlipLaw):
+            _refuse_names(source, item)
     if any(isinstance(item, Term) for item in found) and is_digested(evaluate_curve.__wrapped__):
         raise UsageError(f"plugin {source} has terms of laws: load it before the first model of the process")
     for item in found:
@@ -45,6 +48,16 @@ def _refuse_sections(source, module):
         if isinstance(value, Kind) and value.section and value.section not in SECTIONS:
             text = f"the kind '{value.name}' has the section '{value.section}'"
             raise UsageError(f"plugin {source}: {text}; known: {', '.join(SECTIONS)}")
+
+
+def _refuse_names(source, law):
+    """Raise UsageError for a value of a slip law that is named like another one of its wheels."""
+    taken = names_of_wheels().intersection(law.record)
+    if taken:
+        raise UsageError(
+            f"plugin {source}: the slip law '{law.name}' has values named {', '.join(sorted(taken))}, as its wheels "
+            "have; rename these fields, or write 'record' and 'prepare' with other names"
+        )
 
 
 def _is_new(value):

@@ -57,7 +57,7 @@ X, Y, PSI = 6, 7, 8  # local unknowns
 SCALARS = ("x", "y")
 DECAY = 1e-3  # [s] time constant in the air
 LEAST_SPEED = 1.0  # [m/s] v_0
-CARCASS_RECORD = {"stiffness": 2, "creep": 2}
+CARCASS_RECORD = {"carcass_K": 2, "carcass_b": 2}
 CARCASS_OUTPUTS = (
     Output("x", "m", "deflection of the contact along t relative to the wheel", rate="x_rate"),
     Output("y", "m", "deflection of the contact along l relative to the wheel", rate="y_rate"),
@@ -93,7 +93,7 @@ def decay(p, at, slip):
     """Return b/V [s] along t and l, in which the carcass settles under a constant force; in the air DECAY."""
     forward = dot(slip.t, slip.u)
     V, air = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED), at.phase == AIR
-    return select(air, DECAY, p.creep[0] / V), select(air, DECAY, p.creep[1] / V)
+    return select(air, DECAY, p.carcass_b[0] / V), select(air, DECAY, p.carcass_b[1] / V)
 
 
 @kernel
@@ -118,8 +118,8 @@ def compiled(law):
     def residual(p, at, f):
         """Add the forces of ground and carcass; see element_interface."""
         if at.phase == AIR:
-            add_spring(f, at, X, p.stiffness[0], DECAY, 0.0)
-            add_spring(f, at, Y, p.stiffness[1], DECAY, 0.0)
+            add_spring(f, at, X, p.carcass_K[0], DECAY, 0.0)
+            add_spring(f, at, Y, p.carcass_K[1], DECAY, 0.0)
             if twists:
                 add_spring(f, at, PSI, p.torsion, DECAY, 0.0)
             return
@@ -128,8 +128,8 @@ def compiled(law):
         ground = forces(p, at.laws, twist(at, carried(at, k.slip)))
         add_ground(f, at, k, ground)
         tau_t, tau_l = decay(p, at, k.slip)
-        add_spring(f, at, X, p.stiffness[0], tau_t, dot(ground.F, k.slip.t))
-        add_spring(f, at, Y, p.stiffness[1], tau_l, dot(ground.F, k.slip.l))
+        add_spring(f, at, X, p.carcass_K[0], tau_t, dot(ground.F, k.slip.t))
+        add_spring(f, at, Y, p.carcass_K[1], tau_l, dot(ground.F, k.slip.l))
         if twists:
             add_spring(f, at, PSI, p.torsion, tau_t, dot(ground.M, k.slip.n))
 
@@ -142,8 +142,8 @@ def compiled(law):
         put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e)
         y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], at.v[X], at.v[Y]
         tau_t, tau_l = decay(p, at, k.slip)
-        put_spring(e, at, X, p.stiffness[0], tau_t)
-        put_spring(e, at, Y, p.stiffness[1], tau_l)
+        put_spring(e, at, X, p.carcass_K[0], tau_t)
+        put_spring(e, at, Y, p.carcass_K[1], tau_l)
         if twists:
             y[BEHIND + 4], y[BEHIND + 5] = at.q[PSI], at.v[PSI]
             put_spring(e, at, PSI, p.torsion, tau_t)
@@ -180,8 +180,8 @@ def prepare(d, nodes, context):
     carcass = slip_law_of(d["tire_law"]).carcass(d["tire_law"])
     return {
         **prepare_wheel(d, nodes, context),
-        "stiffness": np.array(carcass.stiffness),
-        "creep": np.array(carcass.creep),
+        "carcass_K": np.array(carcass.stiffness),
+        "carcass_b": np.array(carcass.creep),
     }
 
 
