@@ -103,6 +103,23 @@ def test_released_bar_weighs_a_quarter_on_its_hinge():
     close(s.a[r : r + 3], (0.0, 1.5 * G / L, 0.0))
 
 
+@pytest.mark.parametrize(("kind", "values"), [("fixed", {}), ("prismatic", {"axis": Y})])
+def test_nodes_with_different_orientations_keep_them(kind, values):
+    """The same bar from another node at its end, whose axes are those of a permuted; the joint carries the bar."""
+    permuted = np.eye(3)[[2, 0, 1]]
+    elements = [
+        body("b", permuted.T @ (L / 2, 0, 0), np.roll(BAR, -1)),
+        element("pivot", "hinge", ("ground", "a"), axis=Y),
+        element("joint", kind, ("a", "b"), **values),
+    ]
+    found, s, system = reactions([at(name="a"), at(R=permuted)], elements, (0, 0, -G))
+    close(found["hinge 'pivot'"]["force"], (0.0, -M * G / 4, 0.0))
+    close(permuted @ s.a[system.numbering.r[1] + np.arange(3)], (0.0, 1.5 * G / L, 0.0))
+    axes = np.eye(3) if kind == "fixed" else triad(Y)
+    close(found[f"{kind} 'joint'"]["force"], axes @ (0.0, 0.0, M * G / 4))
+    close(found[f"{kind} 'joint'"]["moment"], 0.0)
+
+
 def test_hinge_carries_the_moment_of_a_body_beside_it():
     """At rest below its axis but D along it: force m g up; the moment -D y x (-m g z) = m g D x along mu_1 = x."""
     found = on_ground("hinge", at(), (0.0, D, -L), axis=Y)
@@ -337,9 +354,7 @@ REFUSED = [
     ("universal", {"axis_a": X, "axis_b": Y}, THERE, "at the same place"),
     ("universal", {"axis_a": X, "axis_b": X + Y}, HERE, "perpendicular; they are 45 degrees apart"),
     ("fixed", {}, THERE, "at the same place"),
-    ("fixed", {}, TURNED, "the same rotation; they differ by 180 degrees"),
-    ("prismatic", {}, TURNED, "the same rotation"),
-    ("held_rotation", {}, TURNED, "the same rotation"),
+    ("held_rotation", {}, TURNED, "the same rotation; they differ by 180 degrees"),
     ("rigid_rod", {}, HERE, "must not be at the same place ('ground' is at the place of the other node; "),
 ]
 

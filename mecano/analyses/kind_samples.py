@@ -263,7 +263,7 @@ def expand(
     kind: Kind, values: Values, nodes: Sequence[Frame], phase: str, gravity: np.ndarray, rng: np.random.Generator
 ) -> list[Instance]:
     """Return [Instance]: the element and its parts, with random scalars and multipliers."""
-    laws, kind = LawTable(), kind.chosen(values)
+    laws, kind = LawTable(), kind.placed(values, nodes)
     context = Context(laws, gravity, KINDS)
     own = kind.record_values(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
@@ -297,7 +297,7 @@ def _motion(kind, values, nodes, rng):
     R = np.array([node[1] for node in nodes]) @ Rotation.from_rotvec(SPREAD * rng.normal(size=(n, 3))).as_matrix()
     x[:, 0] = [node[0] for node in nodes] + SPREAD * x[:, 0]
     turn[:, 0] = 0.0
-    for what, i, j in kind.chosen(values).shares(values, nodes):
+    for what, i, j in kind.placed(values, nodes).shares(values, nodes):
         if what == "x":
             x[j] = x[i]
         else:

@@ -36,12 +36,16 @@ def turn_between(a, b):
     return np.linalg.norm(np.subtract(b[1], a[1])) / np.sqrt(2.0)
 
 
+def turned_apart(d, nodes):
+    """Return whether two nodes have different initial rotations: ``Shared.apart`` of a joint."""
+    return bool(turn_between(*nodes) > ANGLE)
+
+
 def check_one_rotation(d, nodes):
     """Return errors if two nodes that share a rotation have different initial rotations: the ``check`` of a joint."""
-    turn = turn_between(*nodes)
-    if turn <= ANGLE:
+    if not turned_apart(d, nodes):
         return []
-    degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn / 2.0)))
+    degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn_between(*nodes) / 2.0)))
     how = "a node 'attached' to a rigid_body, or of a rigid_link, may have an orientation of its own"
     return [f"its nodes must have the same rotation; they differ by {degrees:.6g} degrees ({how})"]
 

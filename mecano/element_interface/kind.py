@@ -170,6 +170,8 @@ class Mechanics:
     """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
     accelerations, or not from Duals"""
     revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
+    apart: Callable | None = None
+    """(deck values, nodes) -> True if the nodes cannot share their unknowns, so that ``revealed`` replaces it"""
     senses: "Kind | None" = None  # the kind whose output it measures; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
@@ -287,3 +289,8 @@ class Kind(DeckEntry, Mechanics, Events):
     def chosen(self, values: Values) -> "Kind":
         """Return the kind itself, or its variant for these deck values."""
         return self.variant(values) if self.variant else self
+
+    def placed(self, values: Values, nodes: Nodes) -> "Kind":
+        """Return the kind for these deck values between ``nodes`` at the start."""
+        kind = self.chosen(values)
+        return kind.revealed if kind.revealed and kind.apart and kind.apart(values, nodes) else kind

@@ -1,6 +1,6 @@
 """Elements and their parts as one list, before the numbering."""
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from mecano.model.wiring import wire
 
 if TYPE_CHECKING:
     from mecano.element_interface import Context, Kind
+    from mecano.model.mesh import Frame
 
 
 def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Shared], set[tuple[str, int]]]:
@@ -32,9 +33,12 @@ def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Share
     return instances, shared, used
 
 
-def chosen_kind(element: Element, revealed: Container[str]) -> "Kind":
-    """Return the Kind of an element for its deck values, without hidden outputs if its path is in ``revealed``."""
-    kind = element.kind.chosen(element.values)
+def _kind_of(element: Element, frames: "Sequence[Frame]", revealed: Container[str]) -> "Kind":
+    """Return the Kind of an element between nodes with ``frames`` at the start.
+
+    It has no hidden outputs if its path is in ``revealed``.
+    """
+    kind = element.kind.placed(element.values, frames)
     return kind.revealed if path_of(element) in revealed and kind.revealed else kind
 
 
@@ -48,8 +52,9 @@ def _listed(model: Model, context: "Context", revealed: Container[str]) -> tuple
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared = [], []
     for element in model.elements:
-        kind, nodes = chosen_kind(element, revealed), tuple(index[name] for name in element.nodes)
+        nodes = tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
+        kind = _kind_of(element, frames, revealed)
         title, path = title_of(element.kind.name, element.name), path_of(element)
         record = kind.record_values(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)

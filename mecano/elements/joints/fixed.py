@@ -1,5 +1,7 @@
 r"""Fixed joint: two nodes share position and rotation (Boolean identification: no equation).
 
+Nodes with different orientations at the start keep their relative rotation, each axis by a multiplier.
+
 With ``compliance`` laws hold b along and about the axes that a carries; axes without a law have a multiplier each.
 :math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For stiffness that
 couples the axes see ``bushing``. With ``release`` it holds b by multipliers until then.
@@ -9,7 +11,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import Outputs
-from mecano.constraints.joint_nodes import check_one_place, check_one_rotation, one_position, one_rotation
+from mecano.constraints.joint_nodes import check_one_place, one_position, one_rotation, turned_apart
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
 from mecano.constraints.release import SAMPLE
@@ -36,7 +38,7 @@ def _put_held(p, at, F, y, i):
 
 
 def sample(rng):
-    """Return two equal nodes, joined rigidly, and by laws along all axes or some."""
+    """Return two equal nodes, joined rigidly, and by laws along all axes or some; nodes with other orientations."""
     node = (rng.normal(size=3), ORIENTATIONS[1])
     play = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
     d = {"axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
@@ -45,6 +47,7 @@ def sample(rng):
         ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
         ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
         *((SAMPLE, [node, node], phase) for phase in RELEASE_PHASES),
+        ({}, [node, (node[0], ORIENTATIONS[0])], ""),
     ]
 
 
@@ -69,7 +72,8 @@ FIXED = sharing_pair(
         (),
         _put_shared,
         ("force", "moment"),
-        lambda d, nodes: check_one_place(d, nodes) + check_one_rotation(d, nodes),
+        check_one_place,
+        turned_apart,
     ),
     sample,
 )

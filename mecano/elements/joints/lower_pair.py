@@ -28,7 +28,7 @@ from mecano.constraints.pair import (
 )  # fmt: skip
 from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
 from mecano.constraints.triads import not_flipped
-from mecano.element_interface import FREELY, Display, Kind
+from mecano.element_interface import FREELY, Display, Kind, nothing
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.schema import Field
@@ -45,7 +45,8 @@ class Shared:
     held: tuple  # axes that are left to be held by constraints
     put_reactions: Callable  # (p, at, F, y, i): write the reactions, starting at y[i]
     hidden: tuple  # outputs of these that depend on the forces F
-    check: Callable  # (deck values, nodes) -> texts: errors of nodes that cannot share them
+    check: Callable = nothing  # (deck values, nodes) -> texts: errors of nodes that cannot share them
+    apart: Callable | None = None  # (deck values, nodes) -> whether the nodes cannot share them but be held as they are
 
 
 @immutable
@@ -161,7 +162,7 @@ def sharing_pair(name, doc, pair, shared, sample):
         apart, name=name, dtype=pair.record, prepare=pair.place, shares=shared.unknowns,
         parts=partial(pair.parts, held=shared.held), variant=variant,
         observe=pair.observe(shared.put_reactions), admissible=not_flipped if "about_2" in shared.held else None,
-        hidden=dict.fromkeys(shared.hidden, ""), revealed=apart,
+        hidden=dict.fromkeys(shared.hidden, ""), revealed=apart, apart=shared.apart,
     )  # fmt: skip
     return together
 

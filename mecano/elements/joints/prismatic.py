@@ -1,7 +1,7 @@
 r"""Prismatic joint: node b slides along an axis fixed in node a and does not rotate relative to it.
 
-Both nodes share one rotation (Boolean identification). With :math:`\mu_1, \mu_2` fixed in a and perpendicular to
-the axis:
+Both nodes share one rotation (Boolean identification); nodes with different orientations at the start keep their
+relative rotation, each axis by a multiplier. With :math:`\mu_1, \mu_2` fixed in a and perpendicular to the axis:
 
 .. math::  \mu_i \cdot (x_b - x_a) - c_i = 0, \qquad i = 1, 2
 
@@ -18,9 +18,9 @@ from mecano.constraints.along_coordinate.friction import LENGTH
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
-from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
+from mecano.constraints.joint_nodes import one_rotation, turned_apart
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
-from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel
+from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel, two_places
 from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
@@ -44,7 +44,7 @@ def _put_reactions(p, at, F, y, i):
 
 
 def sample(rng):
-    """Return a random axis next to both nodes, with every option."""
+    """Return a random axis next to both nodes, with every option, and nodes with different orientations."""
     nodes, d = two_parallel(rng), {"axis": rng.normal(size=3)}
     law = {"sliding_law": SPRUNG, "natural_displacement": 0.2}
     return [
@@ -54,6 +54,7 @@ def sample(rng):
         ({**d, **SLIDE_STOPPED}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
         *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
+        (d, two_places(rng), ""),
     ]
 
 
@@ -67,6 +68,6 @@ PRISMATIC = sharing_pair(
         motions=(SLIDING,),
         options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, keyed_record, LENGTH, KEY_RADIUS)),
     ),
-    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), check_one_rotation),
+    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), apart=turned_apart),
     sample,
 )
