@@ -8,6 +8,7 @@ from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
 from mecano.laws import TERMS
+from mecano.laws.line import along_line, line_of_time
 from mecano.laws.probe import curve_at, shape_of_curve
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, kinks, potential
 from mecano.schema import REQUIRED
@@ -18,7 +19,7 @@ DAMPING = [[-2, -3.0], [-0.5, -1.0], [0, 0], [1, 0.4], [2, 2.0]]
 OIL = {"density": 870.0, "piston_area": 0.01, "discharge_coefficient": 0.7, "interpolation": "cubic"}
 RANDOM = {
     "density": 0.1, "reference": 0.1, "exponent": 2.0, "lowest": 0.05, "highest": 1.0, "waves": 12, "seed": 5,
-    "lead_in": 0.0, "start": 0.0,
+    "lead_in": 0.0, "start": 0.0, "origin": 0.0,
 }  # fmt: skip
 QUAKE = {"points": CUBIC["points"], "factor": 0.7, "initial_rate": -0.3, "baseline": "as_given"}
 
@@ -46,6 +47,7 @@ CASES = {
     "random": ("random", RANDOM, []),
     "random, after a lead-in": ("random", {**RANDOM, "lead_in": 1.8, "start": -1.2}, [-1.2, 0.6]),
     "random, after a lead-in as long as a wave": ("random", {**RANDOM, "lead_in": 10.0, "start": -2.5}, [-2.5]),
+    "random, shifted": ("random", {**RANDOM, "origin": 0.7}, []),
     "acceleration": ("acceleration", QUAKE, [-2, 2]),
     "acceleration, at rest in the end": ("acceleration", {**QUAKE, "baseline": "end_at_rest"}, [-2, 2]),
     "spring": ("spring", {"stiffness": 7.0}, []),
@@ -302,6 +304,45 @@ def test_cases_pass_the_checks(name, values, corners):
     for field in TERMS[name].fields:
         value = values.get(field.name, field.default)
         assert value is not REQUIRED and (field.check is None or field.check(value) is None)
+
+
+@pytest.mark.parametrize(("case", "offset"), [(case, b) for case in of_role["curve"] for b in (0.0, 0.4)])
+def test_a_curve_along_a_line_is_the_curve_of_the_line(case, offset):
+    """Value and derivatives at t are those at 1.7 t + offset, by the chain rule."""
+    _, (name, values, corners) = case
+    law = along_line(((name, values),), 1.7, offset)
+    if law is None:
+        assert name == "power" and offset
+        return
+    (laws, start), (moved, first) = packed((name, values)), packed(*law)
+    for s in points_away_from(corners, np.random.default_rng(3)):
+        found, of_line = evaluate_curve(moved, first, (s - offset) / 1.7), evaluate_curve(laws, start, s)
+        np.testing.assert_allclose(found, of_line * np.array([1.0, 1.7, 1.7**2]), rtol=1e-9, atol=1e-9)
+    assert breakpoints(law) == pytest.approx([(s - offset) / 1.7 for s in breakpoints(((name, values),))])
+
+
+def test_a_shift_of_a_random_road_moves_it():
+    (laws, start), (moved, first) = packed(("random", RANDOM)), packed(("random", {**RANDOM, "origin": 0.7}))
+    for s in (0.2, 1.9):
+        np.testing.assert_allclose(evaluate_curve(moved, first, s + 0.7), evaluate_curve(laws, start, s), rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("20*time", (20.0, 0.0)), ("(time - 0.5)*(-3)/4 + 1", (-0.75, 1.375)), ("time", (1.0, 0.0)), ("3", None),
+        ("time**2", None), ("2*time + speed", None), ("abs(time)", None), ("sin(2)*time", (math.sin(2.0), 0.0)),
+    ],
+)  # fmt: skip
+def test_straight_lines_of_the_time(text, line):
+    found = line_of_time(text)
+    assert found == (line if line is None else pytest.approx(line, rel=1e-15))
+
+
+def test_some_lines_give_no_law():
+    """A slope that is negative, an offset beside which the points of a table are equal."""
+    assert along_line((("bump", {"start": 1.0, "length": 1.0, "height": 1.0}),), -2.0, 0.0) is None
+    assert along_line((("table", LINEAR),), 2.0, 1e17) is None
 
 
 WRONG_FIELDS = [

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
 from mecano.laws.formula_rate import LONGEST, TOO_LONG, with_rates
+from mecano.laws.line import along_line, line_of_time
 
 if TYPE_CHECKING:
     from mecano.deck.laws import Law
@@ -16,6 +17,19 @@ INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
     "force or a moment with a controller, or a coupler of joints"
 )
+
+
+def put_curves_of_time(signals: "dict[str, Values]") -> None:
+    """Turn the curves of a straight line of the time, in place, into curves of the time."""
+    for d in signals.values():
+        if d["type"] != "curve" or d["input"].strip() == "time" or type(d["law"]) is not tuple:
+            continue
+        try:
+            line = line_of_time(_of_time(d["input"], signals, ()))
+        except NotAMotion:
+            continue
+        if line and (law := along_line(d["law"], *line)):
+            d["input"], d["law"] = "time", law
 
 
 class NotAMotion(Exception):
@@ -52,6 +66,8 @@ def _of_time(text, signals, outer):
             )
         if d is None or d["type"] != "formula":
             what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
+            if d is not None and d["type"] == "curve":
+                what += ", of another input than a straight line of the time, such as 20*time - 3, that rises"
             raise NotAMotion(f"it is not a function of time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
         text = _inserted(text, name, inner)

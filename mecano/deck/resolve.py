@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
-from mecano.deck.motions import NotAMotion, motion_of
+from mecano.deck.motions import NotAMotion, motion_of, put_curves_of_time
 from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
@@ -24,38 +24,48 @@ def resolve(values: Values, scope: "Scope") -> None:
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     members = {name: d for name, d in values["elements"].items() if scope.kinds[d["type"]].divide and name not in nodes}
-    formulas = {*values["signals"], "time"}  # names that are formulas
-    for reference in sorted(scope.references, key=_prescribes):
-        scope.subject = reference.subject
-        if reference.wanted == "motion":
-            _put_motion(reference, values["signals"], scope)
-            continue
-        known = nodes if reference.section == "nodes" else values[reference.section]
-        if reference.wanted == "drive" and reference.name in formulas and reference.name not in known:
-            if _prescribes(reference):
-                _put_motion(reference, values["signals"], scope)
-                continue
-            _put(reference, reference.name)
-            note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
-            continue
-        of_line = reference.options == LINE.options
-        if of_line and reference.name in members:
-            continue
-        if reference.name not in known:
-            more = values["signals"] if reference.wanted == "drive" else members if of_line else ()
-            _unknown(reference, [*known, *more], values, scope)
-            continue
-        found: Any = known[reference.name]
-        if reference.section == "laws":
-            if reference.wanted == "drive" and reference.name in values["signals"]:
-                scope.refuse(reference.node, f"{quoted(reference.name)} is both a law and a signal")
-            _check_terms(reference, found, scope)
-            note_continuous(found, reference.node, reference.options, scope)
-        _put(reference, found)
-        if reference.section == "joints":
-            _check_joint(reference, found, scope)
+    motions = [reference for reference in scope.references if _prescribes(reference)]
+    for reference in scope.references:
+        if not _prescribes(reference):
+            _resolve(reference, nodes, members, values, scope)
+    put_curves_of_time(values["signals"])  # by then their laws are known, and motions may be such curves
+    for reference in motions:
+        _resolve(reference, nodes, members, values, scope)
     for line in scope.lines:
         line[:] = _nodes_of_line(line, members)
+
+
+def _resolve(reference, nodes, members, values, scope):
+    """Put what a reference names in its place, or note an error."""
+    scope.subject = reference.subject
+    if reference.wanted == "motion":
+        _put_motion(reference, values["signals"], scope)
+        return
+    known = nodes if reference.section == "nodes" else values[reference.section]
+    is_formula = reference.name == "time" or reference.name in values["signals"]
+    if reference.wanted == "drive" and is_formula and reference.name not in known:
+        if _prescribes(reference):
+            _put_motion(reference, values["signals"], scope)
+            return
+        _put(reference, reference.name)
+        note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
+        return
+    of_line = reference.options == LINE.options
+    if of_line and reference.name in members:
+        return
+    if reference.name not in known:
+        more = values["signals"] if reference.wanted == "drive" else members if of_line else ()
+        _unknown(reference, [*known, *more], values, scope)
+        return
+    found: Any = known[reference.name]
+    if reference.section == "laws":
+        if reference.wanted == "drive" and reference.name in values["signals"]:
+            scope.refuse(reference.node, f"{quoted(reference.name)} is both a law and a signal")
+        _check_terms(reference, found, scope)
+        note_continuous(found, reference.node, reference.options, scope)
+    _put(reference, found)
+    if reference.section == "joints":
+        _check_joint(reference, found, scope)
 
 
 def _nodes_of_line(names, members):

@@ -100,6 +100,10 @@ ACCELERATION = Term(
     evaluate=motion,
     integral=motion_integral,
     shape=shape,
+    along_line=lambda values, slope, offset: {
+        "points": [((t - offset) / slope, a) for t, a in values["points"]],
+        "factor": values["factor"] * slope * slope, "initial_rate": values["initial_rate"] * slope,
+    },
     check=some_points,
     breakpoints=lambda values: [float(values["points"][0][0]), float(values["points"][-1][0])],
 )  # fmt: skip

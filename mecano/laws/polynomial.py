@@ -35,6 +35,12 @@ def pack_polynomial(values):
     return [len(values["coefficients"]), *values["coefficients"]]
 
 
+def polynomial_along_line(values, slope, offset):
+    """Return the coefficients by powers of t of the polynomial at slope t + offset."""
+    line = np.polynomial.Polynomial([offset, slope])
+    return {"coefficients": np.polynomial.Polynomial(values["coefficients"])(line).coef.tolist()}
+
+
 def shape_of_polynomial(values, low, high):
     """Return equally spaced arguments, and those where the slope is zero."""
     roots = np.polynomial.Polynomial(values["coefficients"]).deriv().roots()
@@ -52,6 +58,7 @@ CONSTANT = Term(
     doc="The same value everywhere; a plain number means the same.",
     role="curve",
     fields=(Field("value", NUMBER, VALUE, "the value"),),
+    along_line=lambda values, slope, offset: {},
     pack=lambda values: [1, values["value"]],
     evaluate=polynomial,
     integral=polynomial_integral,
@@ -66,6 +73,9 @@ LINEAR = Term(
         Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
     ),
     pack=lambda values: [2, values["offset"], values["slope"]],
+    along_line=lambda values, slope, offset: {
+        "slope": values["slope"] * slope, "offset": values["offset"] + values["slope"] * offset
+    },
     evaluate=polynomial,
     integral=polynomial_integral,
 )
@@ -76,6 +86,7 @@ POLYNOMIAL = Term(
     role="curve",
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
+    along_line=polynomial_along_line,
     evaluate=polynomial,
     integral=polynomial_integral,
     shape=shape_of_polynomial,

@@ -55,6 +55,9 @@ POWER = Term(
     evaluate=power,
     integral=power_integral,
     shape=shape_of_power,
+    along_line=lambda values, slope, offset: (
+        None if offset else {"coefficient": values["coefficient"] * slope ** values["exponent"]}
+    ),
     breakpoints=breakpoints_of_power,
 )
 

@@ -77,12 +77,20 @@ def pack_random(values):
     frequency = np.sqrt(edges[:-1] * edges[1:])
     square = values["density"] * (frequency / values["reference"]) ** -values["exponent"] * np.diff(edges)
     phase = np.random.default_rng(values["seed"]).uniform(0.0, 2.0 * math.pi, n)
+    phase -= 2.0 * math.pi * frequency * values["origin"]
     return [
         values["start"],
         values["lead_in"],
         n,
         *np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1).ravel(),
     ]
+
+
+def random_along_line(values, slope, offset):
+    """Return the values of the road that is met at slope t + offset."""
+    lengths = {name: (values[name] - offset) / slope for name in ("start", "origin")}
+    frequencies = {name: values[name] * slope for name in ("reference", "lowest", "highest")}
+    return {**lengths, **frequencies, "density": values["density"] / slope, "lead_in": values["lead_in"] / slope}
 
 
 def shape_of_bump(values, low, high):
@@ -109,6 +117,9 @@ BUMP = Term(
     evaluate=bump,
     integral=bump_integral,
     shape=shape_of_bump,
+    along_line=lambda values, slope, offset: {
+        "start": (values["start"] - offset) / slope, "length": values["length"] / slope
+    },
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
     landmarks=lambda values: [values["start"] + 0.5 * values["length"]],
 )
@@ -136,11 +147,13 @@ RANDOM = Term(
         Field("lead_in", NUMBER, ARGUMENT, "length over which the road rises smoothly from flat; endless without", 0.0,
               not_negative),
         Field("start", NUMBER, ARGUMENT, "where the lead-in begins: flat before", 0.0),
+        Field("origin", NUMBER, ARGUMENT, "by how much the waves are shifted: the same road, met later", 0.0),
     ),
     pack=pack_random,
     evaluate=waves,
     integral=waves_integral,
     shape=shape_of_random,
+    along_line=random_along_line,
     frequency=lambda values: values["highest"] if values["density"] else 0.0,
     breakpoints=lambda values: [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else [],
     check=lambda values: [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"],

@@ -209,6 +209,7 @@ TABLE = Term(
     evaluate=table,
     integral=table_integral,
     shape=shape_of_table,
+    along_line=lambda values, slope, offset: {"points": [((x - offset) / slope, y) for x, y in values["points"]]},
     check=some_points,
     breakpoints=table_breakpoints,
     landmarks=table_landmarks,

@@ -87,6 +87,9 @@ class Term:
     little: from ``low`` to ``high`` for unbounded terms (a sine), everything for bounded ones (a table, an edge)"""
     frequency: Callable = no_wave
     """{field: value} -> highest frequency [waves / unit of the argument] of a term made of waves"""
+    along_line: Callable | None = None
+    """{field: value}, slope > 0, offset -> the values, as far as they change, of the curve whose value at t is that of
+    this one at slope t + offset; None if no values give it"""
     sample: Callable | None = None
     """() -> [{field: value}] for the generic tests of a term that is not one of mecano's"""
 

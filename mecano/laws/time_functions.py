@@ -127,6 +127,10 @@ SINE = Term(
     evaluate=sine,
     integral=sine_integral,
     shape=shape_of_sine,
+    along_line=lambda values, slope, offset: {
+        "frequency": values["frequency"] * slope,
+        "phase": values["phase"] + 2.0 * math.pi * values["frequency"] * offset,
+    },
     frequency=lambda values: abs(values["frequency"]) if values["amplitude"] else 0.0,
 )
 
@@ -143,6 +147,7 @@ RAMP = Term(
     evaluate=ramp,
     integral=ramp_integral,
     check=lambda values: [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"],
+    along_line=lambda values, slope, offset: {x: (values[x] - offset) / slope for x in ("start", "end")},
     breakpoints=lambda values: [values["start"], values["end"]],
 )
 
@@ -158,6 +163,9 @@ STEP = Term(
     ),
     evaluate=step,
     integral=step_integral,
+    along_line=lambda values, slope, offset: {
+        "time": (values["time"] - offset) / slope, "rise": values["rise"] / slope
+    },
     shape=lambda values, low, high: values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1),
     # A smooth edge has no corner, but a time step must not skip it.
     breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
@@ -176,5 +184,8 @@ EXPONENTIAL = Term(
     evaluate=exponential,
     integral=exponential_integral,
     shape=shape_of_exponential,
+    along_line=lambda values, slope, offset: {
+        "rate": values["rate"] * slope, "origin": (values["origin"] - offset) / slope
+    },
     breakpoints=lambda values: [values["origin"]],
 )

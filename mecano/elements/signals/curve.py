@@ -2,8 +2,9 @@ r"""Curve: a law of its input, such as a table of commands over time, a characte
 
 .. math::  y = c(u)
 
-Time steps end at the breakpoints of the law if the input is ``time``; in a function of anything else they are corners
-of the signal, as those of ``max`` and ``abs``.
+With the input ``time``, or a straight line of the time that rises, such as ``20*time - 3``, it is a law of time: steps
+end at its breakpoints, and it may prescribe a motion. In a function of anything else they are corners of the signal, as
+those of ``max`` and ``abs``.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
