@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
 from mecano.laws.formula_rate import LONGEST, TOO_LONG, with_rates
-from mecano.laws.line import along_line, line_of_time
 
 if TYPE_CHECKING:
     from mecano.deck.laws import Law
@@ -21,9 +20,10 @@ INSTEAD = (
 
 def put_curves_of_time(signals: "dict[str, Values]") -> None:
     """Turn the curves of a straight line of the time, in place, into curves of the time."""
-    for d in signals.values():
-        if d["type"] != "curve" or d["input"].strip() == "time" or type(d["law"]) is not tuple:
-            continue
+    curves = [d for d in signals.values() if d["type"] == "curve" and type(d["law"]) is tuple]
+    for d in (d for d in curves if d["input"].strip() != "time"):
+        from mecano.laws.line import along_line, line_of_time  # few decks need it
+
         try:
             line = line_of_time(_of_time(d["input"], signals, ()))
         except NotAMotion:

@@ -74,7 +74,8 @@ LINEAR = Term(
     ),
     pack=lambda values: [2, values["offset"], values["slope"]],
     along_line=lambda values, slope, offset: {
-        "slope": values["slope"] * slope, "offset": values["offset"] + values["slope"] * offset
+        "slope": values["slope"] * slope,
+        "offset": values["offset"] + values["slope"] * offset,
     },
     evaluate=polynomial,
     integral=polynomial_integral,

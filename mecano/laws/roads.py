@@ -118,7 +118,8 @@ BUMP = Term(
     integral=bump_integral,
     shape=shape_of_bump,
     along_line=lambda values, slope, offset: {
-        "start": (values["start"] - offset) / slope, "length": values["length"] / slope
+        "start": (values["start"] - offset) / slope,
+        "length": values["length"] / slope,
     },
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
     landmarks=lambda values: [values["start"] + 0.5 * values["length"]],

@@ -164,7 +164,8 @@ STEP = Term(
     evaluate=step,
     integral=step_integral,
     along_line=lambda values, slope, offset: {
-        "time": (values["time"] - offset) / slope, "rise": values["rise"] / slope
+        "time": (values["time"] - offset) / slope,
+        "rise": values["rise"] / slope,
     },
     shape=lambda values, low, high: values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1),
     # A smooth edge has no corner, but a time step must not skip it.
@@ -185,7 +186,8 @@ EXPONENTIAL = Term(
     integral=exponential_integral,
     shape=shape_of_exponential,
     along_line=lambda values, slope, offset: {
-        "rate": values["rate"] * slope, "origin": (values["origin"] - offset) / slope
+        "rate": values["rate"] * slope,
+        "origin": (values["origin"] - offset) / slope,
     },
     breakpoints=lambda values: [values["origin"]],
 )
