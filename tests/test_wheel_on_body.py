@@ -1,6 +1,8 @@
 """Wheels on drums and on decks that move: geometry of the contact, exchange of momentum, motions against references."""
 
 import math
+import shutil
+import textwrap
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.constraints.carried_surface import contact_at_start
+from mecano.deck.read import read_deck
 from mecano.errors import DeckError
 
 DRUM = (INPUTS / "tyre_drum.yaml").read_text()
@@ -201,6 +204,47 @@ def test_a_plane_fixed_to_the_ground_is_a_ground():
         "type: wheel, node: hub, ground: road", f"type: wheel_on_body, nodes: [ground, hub], {plane}")]  # fmt: skip
     for path in ("nodes/hub/position", "elements/tyre/contact_force", "energy/dissipated"):
         np.testing.assert_allclose(runs[1][path], runs[0][path], rtol=1e-7, atol=1e-7)
+
+
+EITHER = """
+    mecano: 1
+    gravity: none
+    nodes: {{base: {{position: [0, 0, 0]}}, hub: {{position: [0.2, 0.1, 1.29]}}}}
+    elements:
+      base: {{type: rigid_body, node: base, mass: 9, inertia: [1, 1, 1]}}
+      rim: {{type: rigid_body, node: hub, mass: 9, inertia: [1, 1, 1]}}
+      tyre: {{type: wheel_on_body, nodes: [base, hub], axis: [0.1, 1, -0.08], tire_law: rubber, {surface}}}
+    tire_laws: {{rubber: {{radius: 0.3, radial: {{linear: {{slope: 98.1 kN/m}}}}, {law}}}}}
+    initial:
+      velocities:
+        - {{nodes: [hub], velocity: [0.5, 0.1, 0.02], angular_velocity: [0.7, 7, -0.6]}}
+        - {{nodes: [{turns}], angular_velocity: {rate}, about: [0, 0, 0]}}
+    time: {{end: 1.0e-6, step: 1.0e-6}}
+"""
+TOP, DRUM_OF_1_M = (
+    "plane: {normal: [0, 0, 1], point: [0, 0, 1]}",
+    "cylinder: {axis: [0, 1, 0], radius: 1.0, center: [0.2, 0, 0]}",
+)
+BRUSH = (
+    "fiala: {cornering_stiffness: 3.0e4, friction: 0.9, contact_length: 0.12, contact_width: 0.1, "
+    "camber_stiffness: 2 kN/rad}"
+)
+
+
+@pytest.mark.parametrize("law", [BRUSH, "magic_formula: {file: passenger_car.tir}"])
+@pytest.mark.parametrize(("surface", "rate"), [(TOP, (0, 0, 1.7)), (TOP, (0.3, 1.1, 0.4)), (DRUM_OF_1_M, (0, 1.7, 0))])
+def test_a_surface_that_turns_is_a_wheel_that_is_carried_round_the_other_way(surface, rate, law, tmp_path):
+    """Both are the same motion in axes of the surface: so are forces and moments, with camber, slip and turn slip."""
+    shutil.copy(INPUTS / "passenger_car.tir", tmp_path)
+    forces = []
+    for turns, sign in (("base", 1), ("hub", -1)):
+        text = EITHER.format(surface=surface, law=law, turns=turns, rate=[sign * one for one in rate])
+        (tmp_path / "deck.yaml").write_text(textwrap.dedent(text))
+        recorded = RecordedRun(read_deck(tmp_path / "deck.yaml", ()))
+        names = ("longitudinal_force", "lateral_force", "normal_force", "slip_moment", "slip_ratio")
+        forces.append(np.concatenate([recorded[f"elements/tyre/{name}"][0].ravel() for name in names]))
+    np.testing.assert_allclose(forces[1], forces[0], rtol=1e-10, atol=1e-10 * abs(forces[0]).max())
+    assert abs(forces[0][:2]).min() > 5.0  # N: the wheel slips both ways
 
 
 @pytest.mark.parametrize(

@@ -196,9 +196,16 @@ def sample(rng):
 @kernel
 def at_effective_radius(p, k):
     """Return the Slip of a rim of the effective rolling radius, on which the formula is based."""
-    R_e = rolling_radius(p, at_least(k.N, LEAST_LOAD * p.FNOMIN), k.spin)
-    ahead = ((R_e - (p.radius - at_least(k.w, 0.0))) * k.spin) * k.t
+    R_e, spin = _rolled(p, k, at_least(k.N, LEAST_LOAD * p.FNOMIN))
+    ahead = ((R_e - (p.radius - at_least(k.w, 0.0))) * spin) * k.t
     return slipping(k, k.v - ahead, k.v_0 - ahead)
+
+
+@kernel
+def _rolled(p, k, N):
+    """Return the effective rolling radius [m], and the spin relative to the normal, which turns on a drum [rad/s]."""
+    R_e = rolling_radius(p, N, k.spin)
+    return R_e, k.spin / (1.0 + k.curvature * R_e)
 
 
 @kernel
@@ -242,7 +249,8 @@ def forces_of(formula, spin):
         V_x, V_sy = way * dot(k.t, k.u), way * dot(k.l, k.v)
         least = LEAST_LOAD * p.FNOMIN
         N = at_least(k.N, least)
-        V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * way * k.spin
+        R_e, rolled = _rolled(p, k, N)
+        V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - R_e * way * rolled
         V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
         lean = way * atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
         mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)

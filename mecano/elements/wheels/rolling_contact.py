@@ -111,11 +111,25 @@ def rolling_on(p, at, touching, g, axis, surface, rise, curvature):
     v_C, w1 = point - lift * g.n, (rise - lift) / g.q
     F = radial_force(p, at.laws, p.radius - g.r, w1)
     t, l = directions(axis, g)
-    v_C, u = v_C - surface.v, v - dot(g.n, v) * g.n - surface.v
-    turning = omega - surface.omega
-    spin = dot(omega, axis)
+    v_C, turning = v_C - surface.v, omega - surface.omega
+    u = _passing(v - dot(g.n, v) * g.n - surface.v, surface.omega, g, t, curvature)
+    spin = dot(turning, axis)
     slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, spin, g.s, t, l, g.n, curvature)
     return Rolling(g, surface, axis, w1, F, slip, rise)
+
+
+@kernel
+def _passing(u, omega, g, t, curvature):
+    """Return the velocity at which the contact passes over its surface [m/s].
+
+    That is the velocity of the axle in axes that turn with the surface, where ``u`` is its velocity less that of the
+    surface at the contact and ``omega`` the rate of the surface [rad/s]; over a curved one the contact moves as fast
+    as the axle times its own distance from the centre of curvature over that of the axle.
+    """
+    across = cross(omega, g.arm)
+    u = u + (across - dot(g.n, across) * g.n)
+    bend = -curvature * dot(g.n, g.arm)
+    return u - bend / (1.0 + bend) * dot(t, u) * t
 
 
 @kernel
@@ -138,7 +152,8 @@ def put_rolling(p, at, k, ground, y, e):
     touching = at.phase == CONTACT
     arm = select(touching, k.g.r, p.radius) * k.g.c
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
-    pushes = put_tire(p, at, Wheel(k.g, k.axis, arm, k.slip.spin), grip, y, e)
+    spin = dot(k.axis, k.slip.omega + k.surface.omega)
+    pushes = put_tire(p, at, Wheel(k.g, k.axis, arm, spin), grip, y, e)
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))

@@ -28,9 +28,9 @@ class Slip(NamedTuple):
     grip: float  # factor on the friction at this point of the ground
     v: tuple  # slip velocity: of the tyre's material at the point of contact relative to the ground [m/s]
     v_0: tuple  # the same for a massless patch held in the wheel; v for a wheel without patch [m/s]
-    u: tuple  # velocity of the axle relative to the ground [m/s]
+    u: tuple  # velocity at which the contact passes over the ground, that of the axle on a plane [m/s]
     omega: tuple  # angular velocity of the wheel relative to the ground [rad/s]
-    spin: float  # about its axis [rad/s]
+    spin: float  # the part of it along the axis [rad/s]
     lean: float  # sine of the camber angle: n.a
     t: tuple  # driving direction; of a twisted patch the one in which it rolls
     l: tuple  # lateral direction

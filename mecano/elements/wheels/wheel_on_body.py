@@ -7,7 +7,8 @@ the material of the surface at the contact C, which moves with v_g = v_a + omega
     radial deformation   w = radius - r                  dw/dt = -n.(v + omega x r c - v_g)/q
     normal force         N = F_r(w, dw/dt)/q
     slip velocity        v_C = (I - n n^T)(v + omega x r c - v_g)
-    force and moment     F, M of the slip law; its velocity of the axle is (I - n n^T)(v - v_g), omega is relative
+    force and moment     F, M of the slip law; its velocities of the axle and of the spin are those in axes that turn
+                         with the surface, times R/(R + r) along t on a drum of the radius R
 
 The contact on a drum follows the lean and the heading of the wheel. The force F + N n
 acts at C on the wheel and with the opposite sign on the body, and so does M: momentum is exchanged between both, and
