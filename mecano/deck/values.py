@@ -7,6 +7,7 @@ be an expression, such as ``$speed / 0.35`` (expressions.py).
 import math
 import re
 from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 from mecano.deck.compose import Given, Node
@@ -191,9 +192,17 @@ def matrix(node: Node, field: Field, scope: Scope) -> list[list[float]] | Invali
     if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
         return scope.refuse_value(node, field)
     rows = items(node, field, scope, SIX)
-    if rows is INVALID or all(rows[i][j] == rows[j][i] for i in range(6) for j in range(i)):
+    if rows is INVALID:
         return rows
-    return scope.refuse_value(node, field, "is not symmetric")
+    for i, j in combinations(range(6), 2):
+        gap, size = abs(rows[i][j] - rows[j][i]), math.sqrt(abs(rows[i][i] * rows[j][j]))
+        if gap > ROUNDING * size:
+            pair = f"({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {rows[i][j]:.9g} and {rows[j][i]:.9g}"
+            return scope.refuse(node, f"{quoted(scope.name_of(field.name))} is not symmetric: entries {pair}")
+    return [[rows[min(i, j)][max(i, j)] for j in range(6)] for i in range(6)]
+
+
+ROUNDING = 1e-12  # of the root of both diagonal entries: products of matrices are symmetric to this
 
 
 def _listed(node):
