@@ -136,6 +136,8 @@ STRUCTURE = [
     ("type: wheel", "type: 3", 15, "3",
      "element 'wheel': 'type' must be the name of a kind, got 3"),
     ("type: wheel, ", "", 15, "wheel",
+     "element 'wheel': missing 'type'; with these keys: wheel"),
+    ("type: wheel, ", "extra: 1, ", 15, "wheel",
      "element 'wheel': missing 'type'; known: body, spring, wheel"),
     ("type: wheel, ", "<<: {type: wheel}, ", 15, "<<",
      "element 'wheel': unknown key '<<'; merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"),

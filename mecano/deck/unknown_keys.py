@@ -138,7 +138,14 @@ def refuse_untyped(node: "Node", section: str, scope: "Scope") -> "Invalid":
             return scope.refuse(key_node, f"unknown key {quoted(key)}", "here it is called 'type'")
         if similar(key, ("type",)):
             return scope.refuse(key_node, f"unknown key {quoted(key)}", scope.suggest(key, ("type",)))
-    return scope.refuse(scope.owner or node, "missing 'type'", "known: " + ", ".join(kinds))
+    fitting = [kind for kind in kinds if _fits(node.value, scope.kinds[kind].fields)]
+    hint = "with these keys: " + ", ".join(fitting) if fitting else "known: " + ", ".join(kinds)
+    return scope.refuse(scope.owner or node, "missing 'type'", hint)
+
+
+def _fits(keys, fields):
+    """Return whether all keys are fields, and none that is required is absent."""
+    return {*keys} <= {own.name for own in fields} and all(own.name in keys for own in fields if own.required)
 
 
 def refuse_kind(type_node: "Node", section: str, scope: "Scope") -> "Invalid":
