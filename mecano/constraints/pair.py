@@ -8,9 +8,10 @@ holds; where its deck gives a law for one of them (``compliance``), the law repl
 
 import numpy as np
 
+from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
-from mecano.constraints.coordinates.twist import turned
+from mecano.constraints.coordinates.twist import turned, twist_gradient
 from mecano.constraints.of_coordinates import (
     BOTH,
     IN_PLANE,
@@ -26,7 +27,7 @@ from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import law_force
 from mecano.maths.dual import constant, number, select
-from mecano.maths.vector import Vec3, mat, put
+from mecano.maths.vector import Vec3, cross, mat, put
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 HELD_BY = {
@@ -161,7 +162,11 @@ def pair_force(p, at):
 
 @kernel
 def pair_moment(p, at):
-    """Return the moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
+    """Return the moment of a on b at node b [N m] about mu_1, mu_2, mu_3.
+
+    Each reaction acts along the gradient of its coordinate with respect to the rotation of b: mu_2 x xi_3, xi_3 x mu_1,
+    and that of the twist. They differ from mu_1, mu_2, mu_3 where the axes mu_3 and xi_3 are not aligned.
+    """
     mu, xi = mat(p.mu), mat(p.xi)
     tilt_2, rate_2 = tilted(at, mu[0], xi[2])
     # the constraint about_1 is mu_2 . xi_3 = 0; its law acts on the angle -mu_2 . xi_3 about mu_1
@@ -169,7 +174,11 @@ def pair_moment(p, at):
     angle, rate = turned(p, at)
     M_1 = held(p, at, 1, tilt_1, rate_1)
     M_1 = select(p.row[1] >= 0.0, -M_1, M_1)
-    return Vec3(M_1, held(p, at, 0, tilt_2, rate_2), held(p, at, 2, angle, rate))
+    M_2, M_3 = held(p, at, 0, tilt_2, rate_2), held(p, at, 2, angle, rate)
+    A = relative_rotation(at)
+    axis = A @ xi[2]
+    M = M_1 * cross(mu[1], axis) + M_2 * cross(axis, mu[0]) - M_3 * twist_gradient(A, mu[2], xi[2])[0]
+    return mu @ M
 
 
 @kernel

@@ -20,7 +20,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.body_fixed import relative_rotation
-from mecano.constraints.coordinates.twist import turned
+from mecano.constraints.coordinates.twist import turned, twist_gradient
 from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_samples import SPRUNG, rotation
 from mecano.constraints.pair import AXIS_B, bent_place, held, pair_force
@@ -45,8 +45,8 @@ def _put_bend(p, at, F, y, i):
 
 @kernel
 def _put_moment(p, at, torque, y, i):
-    mu, xi_3 = mat(p.mu), relative_rotation(at) @ vec(p.xi[2], 0)
-    put(y, i, torque / (1.0 + dot(mu[2], xi_3)) * (mu @ (mu[2] + xi_3)))
+    mu = mat(p.mu)
+    put(y, i, -torque * (mu @ twist_gradient(relative_rotation(at), mu[2], vec(p.xi[2], 0))[0]))
 
 
 @kernel
