@@ -64,6 +64,7 @@ CASES = {
     "stop": ("stop", {"stiffness": 8.0, "lower": -1.0, "upper": 0.7, "damping": 0.4}, [-1.0, 0.7]),
     "stop, lower only": ("stop", {"stiffness": 8.0, "lower": -1.0, "upper": math.inf, "damping": 0.0}, [-1.0]),
     "dead_band": ("dead_band", {"stiffness": 8.0, "lower": -0.4, "upper": 0.7}, [-0.4, 0.7]),
+    "dead_band without width": ("dead_band", {"stiffness": 8.0, "lower": 0.3, "upper": 0.3}, []),
 }
 every_case = pytest.mark.parametrize(("name", "values", "corners"), CASES.values(), ids=CASES)
 of_role = {role: [case for case in CASES.items() if TERMS[case[1][0]].role == role] for role in ("curve", "force")}
@@ -226,6 +227,15 @@ def test_stop_never_pulls_back():
     assert evaluate_force(laws, start, -1.0, -50.0) == (0.0, 0.0, 0.0)  # no jump at contact, whatever the speed
 
 
+@pytest.mark.parametrize("at", [-0.2, 0.0, 0.3])
+def test_a_dead_band_without_width_is_a_spring(at):
+    """Also where it has no force, about which small motions of a model at rest are: there is no play to lie in."""
+    laws, start = packed(("dead_band", {"stiffness": 8.0, "lower": at, "upper": at}))
+    for s in (at - 0.5, at, at + 1e-9, at + 2.0):
+        assert evaluate_force(laws, start, s, 1.0) == pytest.approx((8.0 * (s - at), 8.0, 0.0), rel=1e-12, abs=1e-15)
+    assert kinks((("dead_band", {"stiffness": 8.0, "lower": at, "upper": at}),)) == (-math.inf, math.inf)
+
+
 def test_terms_are_summed():
     terms = (("spring", {"stiffness": 10.0}), ("polynomial", {"coefficients": [1.0, 0.0, 2.0]}), ("table", LINEAR))
     laws, start = packed(*terms, ("damper", {"coefficient": 3.0}))
@@ -287,8 +297,7 @@ WRONG = [
     ("metering_pin", {**OIL, "points": [[0, 1e-4], [1, 0]]}, "must have orifice areas greater than zero"),
     ("stop", {"stiffness": 1.0, "lower": -math.inf, "upper": math.inf, "damping": 0.0}, "at least one of 'lower'"),
     ("stop", {"stiffness": 1.0, "lower": 1.0, "upper": 0.0, "damping": 0.0}, "'lower' must be less than 'upper'"),
-    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 0.5}, "'lower' must be less than 'upper'"),
-    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 1.0}, "without free play this is a 'spring'"),
+    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 0.5}, "'lower' must not be greater than 'upper'"),
 ]
 
 

@@ -35,8 +35,17 @@ def stop_energy(a, i, s):
 
 
 def pack_stop(values):
-    """Return the numbers of a stop or of a dead band."""
-    return [values["stiffness"], values["lower"], values["upper"], values.get("damping", 0.0)]
+    """Return the numbers of a stop."""
+    return [values["stiffness"], values["lower"], values["upper"], values["damping"]]
+
+
+def pack_play(values):
+    """Return the numbers of a stop that are those of a dead band.
+
+    Without width the upper end is just below the lower one, so that no extension lies between them.
+    """
+    lower, upper = values["lower"], values["upper"]
+    return [values["stiffness"], lower, upper if lower < upper else math.nextafter(lower, -math.inf), 0.0]
 
 
 def lower_below_upper(values):
@@ -44,11 +53,9 @@ def lower_below_upper(values):
     return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
 
 
-def some_play(values):
-    """Check that the free play has a width."""
-    if values["lower"] == values["upper"]:
-        return ["'lower' must be less than 'upper': without free play this is a 'spring'"]
-    return lower_below_upper(values)
+def not_crossed(values):
+    """Check that the free play does not end before it begins."""
+    return [] if values["lower"] <= values["upper"] else ["'lower' must not be greater than 'upper'"]
 
 
 def some_stop(values):
@@ -62,6 +69,11 @@ def corners(values):
     """Return both stops, except those at infinity."""
     both = ((values["lower"], -values["stiffness"]), (values["upper"], values["stiffness"]))
     return [(s, k) for s, k in both if not math.isinf(s)]
+
+
+def ends_of_play(values):
+    """Return both ends of the free play, none if it has no width."""
+    return corners(values) if values["lower"] < values["upper"] else []
 
 
 STIFFNESS = Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension outside", check=positive)
@@ -86,16 +98,17 @@ STOP = Term(
 
 DEAD_BAND = Term(
     name="dead_band",
-    doc="F = 0 from 'lower' to 'upper', F = stiffness times the excess outside: a spring with free play.",
+    doc="F = 0 from 'lower' to 'upper', F = stiffness times the excess outside: a spring with free play, "
+    "which may have no width.",
     role="force",
     fields=(
         STIFFNESS,
         Field("lower", NUMBER, "m or rad", "extension at which the free play begins"),
         Field("upper", NUMBER, "m or rad", "extension at which the free play ends"),
     ),
-    pack=pack_stop,
+    pack=pack_play,
     evaluate=stop,
     integral=stop_energy,
-    check=some_play,
-    stops=corners,
+    check=not_crossed,
+    stops=ends_of_play,
 )
