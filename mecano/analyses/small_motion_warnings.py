@@ -7,6 +7,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from mecano.analyses.operating_point import OperatingPoint
+from mecano.analyses.unsteady_bodies import unsteady_bodies
+from mecano.errors import name_list
 from mecano.model.numbering import TRANSLATION
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import RESTING, Linearization
@@ -21,6 +23,7 @@ CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as 
 STEADY = 1e-8  # the same, below which a state is steady; rounding errors cause 1e-10
 SLOW = 10.0  # times the rate of change of the matrices: slower motions are affected by this change
 BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
+NAMED = 3  # nodes of a body that a warning names
 NOT_CONVERGED = "not converged"
 
 
@@ -28,14 +31,19 @@ def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the mod
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
     The warning requires a body that accelerates relative to these axes by more than rounding errors. Bodies may turn in
-    place, as the pylon of a rotor does relative to its blades. ``what``: description of the results.
+    place, as the pylon of a rotor does relative to its blades. If the state moves there, it requires a body that moves
+    and begins to deform. ``what``: description of the results.
     """
     system, s = base.prepared.system, base.state
-    a = _relative_accelerations(system, s, w) if base.is_start else None
-    if a is None:
+    if not base.is_start:
         return
     M, size = _matrix(system, s, 0.0, 1.0)
-    stiffness = np.abs(_matrix(system, s, 1.0, 0.0)[0].data).max(initial=0.0)
+    K, _ = _matrix(system, s, 1.0, 0.0)
+    a = _relative_accelerations(system, s, w)
+    if a is None:
+        yield from (_unsteady(system, *body, what) for body in unsteady_bodies(system, s, M, K, size))
+        return
+    stiffness = np.abs(K.data).max(initial=0.0)
     rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
     if np.abs(M @ a).max(initial=0.0) > max(BALANCED * size, rounding):
         remedy = (
@@ -45,6 +53,17 @@ def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the mod
             f"the start is not an equilibrium: {what} of this shape, without the forces in the members that its loads "
             f"cause; for those about the equilibrium {remedy}"
         )
+
+
+def _unsteady(system, nodes, turns, what):
+    """Return the warning about a body, given by its ``nodes``, that begins to deform; ``turns``: not only moves."""
+    names = name_list([f"'{system.nodes[i].name}'" for i in nodes], NAMED)
+    motion, remedy = ("turn", "angular_velocity: ..., about: ...") if turns else ("move", "velocity: ...")
+    return (
+        f"the start is not steady: the nodes {names} {motion} as one body, which begins to deform: {what} of "
+        f"this shape, without the forces in its members that this motion and its loads cause; for those of a steady "
+        f"motion write 'initial: {{steady: {{{remedy}}}}}'"
+    )
 
 
 def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.ndarray | None:
