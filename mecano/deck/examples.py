@@ -26,6 +26,9 @@ EXAMPLES = {
         "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m, "
         "backlash: 0.1 mm, friction: {efficiency: 0.98, regularization: 1 mm/s}}",
     "coupler": "spindle: {type: coupler, angles: [knee], displacements: [rail], factors: [0.1, -1]}",
+    "nonlinear_coupler":
+        "indexer: {type: nonlinear_coupler, displacement: rail, of_angle: knee, "
+        "function: {sine: {amplitude: 20 mm, frequency: 0.159155}}}",
     "rack_and_pinion":
         "rack: {type: rack_and_pinion, nodes: [ground, rod], axis: [0, 1, 0], direction: [1, 0, 0], radius: 50 mm}",
     "point_on_curve":

@@ -37,6 +37,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "synchronisation, synchronization, synchronisation cable, synchronization cable, differential, transmission, "
     "linear relation": ("coupler", ""),
+    "non circular gear, noncircular gear, elliptical gear, transmission function, position function, indexing, "
+    "indexing drive, function generator": (
+        "nonlinear_coupler", "one coordinate of a joint as a function of that of another one"
+    ),
     "rack, pinion": ("rack_and_pinion", ""),
     "gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear": ("gear_pair rack_and_pinion", ""),
     "oldham, oldham coupling": (

@@ -21,6 +21,7 @@ MODULES = {
     "rigid_rod": "joints.rigid_rod",
     "gear_pair": "joints.gear_pair",
     "coupler": "joints.coupler",
+    "nonlinear_coupler": "joints.nonlinear_coupler",
     "rack_and_pinion": "joints.rack_and_pinion",
     "point_on_curve": "joints.point_on_curve",
     "slider_on_beam": "joints.slider_on_beam",

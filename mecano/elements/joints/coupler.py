@@ -24,56 +24,35 @@ Angles and displacements are zero at the start. A cable by which a second hinge 
 the opposite direction, has ``angles: [first, second]`` and ``factors: [2, 1]``.
 """
 
-from collections import namedtuple
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.law import counted
 from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.joint_coordinates import (
+    along_angle,
+    along_displacement,
+    angle_in_turn,
+    axes_of,
+    declarations,
+    displacement,
+    row_of,
+    sliding,
+    turning,
+)
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
-from mecano.element_interface import Display, Kind, Output, Part, Place, Row, named, record, with_fields
+from mecano.element_interface import Display, Kind, Output, Part, named, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero, positive
 
 COORDINATES = {"angles": ("angle", TWIST), "displacements": ("displacement", SLIDE)}
 DISSIPATED = Output("dissipated_power", "W", "power dissipated, with friction")
-Turning = namedtuple("Turning", TWIST.axes)
-Sliding = namedtuple("Sliding", SLIDE.axes)
-angle, angle_in_turn, along_angle = counted(TWIST), TWIST.value, TWIST.gradient
-displacement, along_displacement = SLIDE.value, SLIDE.gradient
-
-
-@kernel
-def _from(at, memory, unknown, rotation):
-    """Return the Place of a coordinate whose memory, unknowns and rotations begin at these local indices."""
-    q, v, a = at.q[unknown:], at.v[unknown:], at.a[unknown:]
-    return Place(at.t, at.phase, at.k, at.penalty, at.laws, at.m[memory:], q, v, a, at.R[rotation:])
-
-
-@kernel
-def _turning(p, at, i):
-    """Return axes and Place of angle i."""
-    return Turning(p.mu[i], p.xi[i]), _from(at, i, 6 * i, 2 * i)
-
-
-@kernel
-def _sliding(p, at, i):
-    """Return axes and Place of displacement i, which follow all angles."""
-    n = len(p.mu)
-    return Sliding(p.along[i]), _from(at, n, 6 * n + 9 * i, 2 * n + i)
-
-
-@kernel
-def _row(p):
-    """Return the local index of the multiplier."""
-    return 6 * len(p.mu) + 9 * len(p.along)
 
 
 @kernel
@@ -95,12 +74,12 @@ def _sum_with(factor):
     def rate(p, at):
         """Return the rate of the sum, a number of the type of q."""
         turns = len(p.mu)
-        total = 0.0 * number(at.q[_row(p)])
+        total = 0.0 * number(at.q[row_of(p)])
         for i in range(turns):
-            axes, place = _turning(p, at, i)
+            axes, place = turning(p, at, i)
             total = total + factor(p, i) * rate_of(along_angle(axes, place), place.v)
         for i in range(len(p.along)):
-            axes, place = _sliding(p, at, i)
+            axes, place = sliding(p, at, i)
             total = total + factor(p, turns + i) * rate_of(along_displacement(axes, place), place.v)
         return total
 
@@ -108,10 +87,10 @@ def _sum_with(factor):
     def add(p, at, f, load):
         turns = len(p.mu)
         for i in range(turns):
-            axes, place = _turning(p, at, i)
+            axes, place = turning(p, at, i)
             add_along(f[6 * i :], factor(p, i) * load, along_angle(axes, place))
         for i in range(len(p.along)):
-            axes, place = _sliding(p, at, i)
+            axes, place = sliding(p, at, i)
             add_along(f[6 * turns + 9 * i :], factor(p, turns + i) * load, along_displacement(axes, place))
 
     return rate, add
@@ -125,15 +104,15 @@ _mean_rate, _add_friction = _sum_with(_share)
 def _relation(p, at):
     """Return the value of the constraint; whole turns are added first (body_fixed.py)."""
     turns = len(p.mu)
-    whole, total = 0.0, 0.0 * number(at.q[_row(p)])
+    whole, total = 0.0, 0.0 * number(at.q[row_of(p)])
     for i in range(turns):
-        axes, place = _turning(p, at, i)
+        axes, place = turning(p, at, i)
         in_turn = angle_in_turn(axes, place)
         whole += p.ratios[i] * whole_turns(place.m[0], in_turn)
         total = total + p.ratios[i] * in_turn
     total = total + (whole - p.offset)
     for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
+        axes, place = sliding(p, at, i)
         total = total + p.ratios[turns + i] * displacement(axes, place)
     return total
 
@@ -141,7 +120,7 @@ def _relation(p, at):
 @kernel
 def residual(p, at, f):
     """Add the constraint and its forces; their sum over the coordinates is in the row of the multiplier."""
-    row, relation = _row(p), _relation(p, at)
+    row, relation = row_of(p), _relation(p, at)
     f[row] -= at.k * relation
     _add_load(p, at, f, -number(at.q[row]) + at.penalty * relation)
 
@@ -156,13 +135,13 @@ def constraints(p, at, g):
 def observe(p, at, F, y, e):
     """Write the loads along the coordinates."""
     for i in range(len(p.ratios)):
-        y[i] = p.ratios[i] * at.q[_row(p)]
+        y[i] = p.ratios[i] * at.q[row_of(p)]
 
 
 @kernel
 def friction_residual(p, at, f):
     """Add the friction of the load with the penalty, whose rounding the multiplier then balances for both loads."""
-    load = -number(at.q[_row(p)]) + at.penalty * _relation(p, at)
+    load = -number(at.q[row_of(p)]) + at.penalty * _relation(p, at)
     _add_friction(p, at, f, tooth_friction(p, load, _mean_rate(p, at)))
 
 
@@ -170,25 +149,17 @@ def friction_residual(p, at, f):
 def observe_friction(p, at, F, y, e):
     """Write the dissipated power of the friction."""
     rate = _mean_rate(p, at)
-    e[2] = tooth_friction(p, -at.q[_row(p)], rate) * rate
+    e[2] = tooth_friction(p, -at.q[row_of(p)], rate) * rate
 
 
 @kernel
 def observe_lossy(p, at, F, y, e):
     """Write the loads along the coordinates with friction, and the dissipated power."""
-    n, load, rate = len(p.ratios), at.q[_row(p)], _mean_rate(p, at)
+    n, load, rate = len(p.ratios), at.q[row_of(p)], _mean_rate(p, at)
     loss = tooth_friction(p, -load, rate)
     for i in range(n):
         y[i] = p.ratios[i] * load - _share(p, i) * loss
     y[n] = loss * rate
-
-
-@kernel
-def commit(p, at, m_out):
-    """Write the angles."""
-    for i in range(len(p.mu)):
-        axes, place = _turning(p, at, i)
-        m_out[i] = angle(axes, place)
 
 
 def _joints(d):
@@ -203,11 +174,9 @@ def prepare(d, nodes, context):
         context.kinds[joint["type"]].measures[output](joint, nodes[2 * i : 2 * i + 2], context)
         for i, (output, joint) in enumerate(_joints(d))
     ]
-    turns = found[: len(d["angles"])]
+    turns = len(d["angles"])
     return {
-        "mu": np.reshape([one.axes["mu"] for one in turns], (-1, 3, 3)),
-        "xi": np.reshape([one.axes["xi"] for one in turns], (-1, 3, 3)),
-        "along": np.reshape([one.axes["mu"] for one in found[len(turns) :]], (-1, 3)),
+        **axes_of(found[:turns], found[turns:]),
         "ratios": ratios,
         "offset": d["constant"] / d["factors"][0] + ratios @ [one.zero for one in found],
     }
@@ -277,16 +246,9 @@ def sample(rng):
 
 def _declarations(turns, slides):
     """Return the declarations of a Kind that depend on the numbers of angles and displacements."""
-    coordinates = [TWIST] * turns + [SLIDE] * slides
-    what, unit = coordinates[0].load
-    ends = (slot for j in range(2 * turns, 2 * (turns + slides), 2) for slot in (f"x{j}", f"R{j}", f"x{j + 1}"))
-    return {
-        "dtype": record(mu=(turns, 3, 3), xi=(turns, 3, 3), along=(slides, 3), ratios=(turns + slides,), offset=()),
-        "layout": (*(f"R{i}" for i in range(2 * turns)), *ends),
-        "multipliers": (Row(f"{what} on the first joint", unit, coordinates[0].unit),),
-        "memory": tuple(f"angle_{i}" for i in range(1, turns + 1)),
-        "commit": commit if turns else None,
-    }
+    n = turns + slides
+    first = TWIST if turns else SLIDE
+    return declarations(range(0, 2 * turns, 2), range(2 * turns, 2 * n, 2), first, ratios=(n,), offset=())
 
 
 @cache

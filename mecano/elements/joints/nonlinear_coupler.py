@@ -1,0 +1,179 @@
+r"""Nonlinear coupler: the coordinate of a joint is a function of that of another: non-circular gears, indexing drives.
+
+With the coordinate :math:`c_1`, the ``angle`` or the ``displacement`` of a joint, the coordinate :math:`c_2` of another
+joint (``of_angle`` or ``of_displacement``), the ``function`` f and its argument s at the ``start``,
+
+.. math::  c_1 = f(s + c_2) - f(s), \qquad \Phi = c_1 - f(s + c_2) + f(s)
+
+The multiplier :math:`\lambda` is the load along :math:`c_1`, a moment or a force; the load along :math:`c_2` is
+:math:`-f'\lambda`. Each acts between the two nodes of its joint, and together they do no work. It has no inertia, play
+or friction of its own.
+
+Coordinates are zero at the start, angles count any number of turns. With a ``period`` P the function is given from 0 to
+P and continued, f(x + P) = f(x) + f(P) - f(0), as that of gears, whose rotations follow from one turn, or of a cam. The
+function must not jump or have corners, at which :math:`c_1` would need a shock; where its second derivative jumps,
+accelerations and loads do. In a table, write ``interpolation: spline``, and for a period points somewhat beyond it on
+both sides, so that the ends of the spline do not matter.
+"""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.joint_coordinates import angle_of, axes_of, declarations, displacement_of, row_of
+from mecano.constraints.joint_samples import two_places
+from mecano.element_interface import Display, Kind, Output, named
+from mecano.jit.kernel import kernel
+from mecano.laws.probe import corners, curve_at
+from mecano.laws.table import curve_and_slope
+from mecano.laws.term import VALUE
+from mecano.maths.dual import number, value
+from mecano.schema import CURVE, NUMBER, Field, joint_with, positive
+
+DRIVEN, DRIVING = ("angle", "displacement"), ("of_angle", "of_displacement")
+MATCH = 1e-4  # relative difference of the slopes of a function at both ends of a period, by rounded points
+
+
+@kernel
+def _function(p, laws, s):
+    """Return f and its slope at s; Duals if s is one."""
+    turns = math.floor(value(s) / p.period) if p.period > 0.0 else 0.0
+    y, slope = curve_and_slope(laws, p.function, s - turns * p.period)
+    return y + turns * p.rise, slope
+
+
+def _functions(first, second):
+    """Return the compiled functions of a Kind with these JointCoordinates c_1 and c_2."""
+    value_1, rate_1, add_1 = first
+    value_2, rate_2, add_2 = second
+
+    @kernel
+    def relation(p, at):
+        """Return the value of the constraint and the slope of the function."""
+        y, slope = _function(p, at.laws, value_2(p, at) + p.shift)
+        return value_1(p, at) - y - p.offset, slope
+
+    @kernel
+    def residual(p, at, f):
+        row, (Phi, slope) = row_of(p), relation(p, at)
+        f[row] -= at.k * Phi
+        load = -number(at.q[row]) + at.penalty * Phi
+        add_1(p, at, f, load)
+        add_2(p, at, f, -slope * load)
+
+    @kernel
+    def constraints(p, at, g):
+        Phi, slope = relation(p, at)
+        g[0, 0], g[0, 1] = Phi, rate_1(p, at) - slope * rate_2(p, at)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        load, (_, slope) = at.q[row_of(p)], relation(p, at)
+        y[0], y[1] = load, -slope * load
+
+    return named(residual, constraints, observe)
+
+
+def _driven(d):
+    """Return which of two coordinates are displacements."""
+    return tuple(d[names[0]] is None for names in (DRIVEN, DRIVING))
+
+
+def prepare(d, nodes, context):
+    """Return the axes of both coordinates, and the function."""
+    slides, found = _driven(d), []
+    for i, names in enumerate((DRIVEN, DRIVING)):
+        joint, output = d[names[slides[i]]], DRIVEN[slides[i]]
+        found.append(context.kinds[joint["type"]].measures[output](joint, nodes[2 * i : 2 * i + 2], context))
+    axes = [[one for one, slides_ in zip(found, slides, strict=True) if slides_ is wanted] for wanted in (False, True)]
+    period, start, f = d["period"] or 0.0, d["start"], d["function"]
+    rise = curve_at(f, period)[0] - curve_at(f, 0.0)[0] if period else 0.0
+    turns = math.floor(start / period) if period else 0.0
+    return {
+        **axes_of(*axes), "function": context.laws.add(f), "period": period, "rise": rise,
+        "shift": start - found[1].zero,
+        "offset": found[0].zero - (curve_at(f, start - turns * period)[0] + turns * rise),
+    }  # fmt: skip
+
+
+def check(d, nodes):
+    """Check that there are two coordinates, of different joints, and a function without corners."""
+    texts = [
+        f"give one of {names[0]!r} and {names[1]!r}"
+        for names in (DRIVEN, DRIVING)
+        if (d[names[0]] is None) == (d[names[1]] is None)
+    ]
+    if texts:
+        return texts
+    (first, second) = (d[names[slide]] for names, slide in zip((DRIVEN, DRIVING), _driven(d), strict=True))
+    return [*(["both coordinates are those of one joint"] * (first is second)), *_check_function(d)]
+
+
+def _check_function(d):
+    """Return errors for corners of the function, also between its periods."""
+    period, f = d["period"], d["function"]
+    found = [s for s in corners(f) if period is None or 0.0 < s < period]
+    if found:
+        how = "a table needs 'interpolation: spline', and 'beyond: extend' or points farther out"
+        return [f"'function' has a jump or a corner at {found[0]:g}, where the joint would need a shock; {how}"]
+    if period is None:
+        return []
+    low, high = (curve_at(f, s)[1] for s in (0.0, math.nextafter(period, 0.0)))
+    if abs(high - low) <= MATCH * (1.0 + abs(low)):
+        return []
+    return [f"'function' has another slope at 0 ({low:.6g}) than at the 'period' {period:g} ({high:.6g})"]
+
+
+def sample(rng):
+    """Return couplers of angles and displacements, of functions with and without a period."""
+    joint, samples = {"type": "cylindrical", "axis_1": None}, []
+    parabola = (("polynomial", {"coefficients": [0.3, 0.8, 0.4]}),)
+    sine = {"amplitude": 0.3, "frequency": 0.5, "phase": 0.4, "offset": 0.0}
+    wave = (("linear", {"slope": 0.7, "offset": 0.2}), ("sine", sine))
+    for slides in ((False, False), (False, True), (True, False), (True, True)):
+        joints = [{**joint, "axis": rng.normal(size=3)} for _ in slides]
+        given = {names[slide]: one for names, slide, one in zip((DRIVEN, DRIVING), slides, joints, strict=True)}
+        places = [place for _ in slides for place in two_places(rng)]
+        samples += [
+            ({**given, "function": parabola, "start": 0.3}, places, ""),
+            ({**given, "function": wave, "period": 2.0, "start": 0.4}, places, ""),
+        ]
+    return samples
+
+
+@cache
+def _with_coordinates(slides):
+    """Return the Kind of two coordinates, which are displacements or not."""
+    nodes = [[2 * i for i in (0, 1) if slides[i] is wanted] for wanted in (False, True)]
+    coordinates = [
+        (displacement_of if slide else angle_of)(nodes[slide].index(2 * i)) for i, slide in enumerate(slides)
+    ]
+    of = [SLIDE if slide else TWIST for slide in slides]
+    own = {"function": "i", "period": (), "rise": (), "shift": (), "offset": ()}
+    loads = tuple(
+        Output(f"load_{i}", c.load[1], f"{c.load[0]} along c_{i}, > 0 increases it") for i, c in enumerate(of, 1)
+    )
+    given = {**_functions(*coordinates), **declarations(*nodes, of[0], **own)}
+    return Kind(**{**DECLARED, "outputs": loads, **given})
+
+
+DECLARED = {
+    "name": "nonlinear_coupler",
+    "section": "joints",
+    "doc": __doc__,
+    "display": Display("nothing"),
+    "fields": (
+        Field("angle", joint_with("angle"), "-", "joint whose angle is c_1", None),
+        Field("displacement", joint_with("displacement"), "-", "joint whose displacement is c_1", None),
+        Field("of_angle", joint_with("angle"), "-", "joint whose angle is c_2", None),
+        Field("of_displacement", joint_with("displacement"), "-", "joint whose displacement is c_2", None),
+        Field("function", CURVE, VALUE, "f, both c_1 and c_2 in SI units: rad, m"),
+        Field("start", NUMBER, "-", "argument of the function at the start, in rad or m", 0.0),
+        Field("period", NUMBER, "-", "period P of the function, in rad or m: 2*pi of gears; none when absent", None,
+              positive),
+    ),
+    **named(prepare, check, sample),
+}  # fmt: skip
+NONLINEAR_COUPLER = replace(_with_coordinates((False, False)), variant=lambda d: _with_coordinates(_driven(d)))
