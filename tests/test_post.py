@@ -29,6 +29,7 @@ from mecano.post.draw_events import EventLegend
 from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import notable
 from mecano.post.info import info
+from mecano.post.overview import PLACES, overview
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
@@ -73,7 +74,11 @@ def test_every_kind_with_outputs_is_on_a_sheet(tmp_path):
     for path in runs[0].pieces:
         for name in plans.pictures_of(runs[0], path):
             members.setdefault(name, []).append(path.rpartition("/")[2])
-    full = {name for name in shown if f"6 of {len(members.get(name, ()))}, those that vary most" in shown[name].heading}
+    full = {
+        name
+        for name in shown
+        if f"6 of {len(members.get(name, ()))}, those with events or that vary most" in shown[name].heading
+    }
     assert full == {"wheels", "reactions", "loads", "signals"}
     left_out = {f"one_{kind.name}" for kind in KINDS.values() if kind.outputs} - subjects
     assert left_out <= {member for name in full for member in members[name]}
@@ -91,7 +96,7 @@ def test_a_kind_without_a_plan_shows_all_its_outputs(tmp_path, monkeypatch):
 
 def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
     by_label = {panel.label: panel for panel in shown["wheels"].panels}
-    expected = ["height of the centre", "radial force", "spin rate", "slip velocity", "radial deformation"]
+    expected = ["radial force", "force in the ground", "spin rate", "height of the centre", "slip velocity"]
     assert list(by_label)[:5] == expected
     spin, rolling = by_label["spin rate"].curves
     assert rolling.reference and not spin.reference
@@ -358,8 +363,8 @@ def test_equal_curves_are_drawn_once_with_all_names(runs):
     assert len(drawn.axes[0].lines) == 2
     second = Panel("one more", tuple(replace(c, y=other) if c.subject == "b" else c for c in panel.curves))
     assert [h.get_label() for h in CurveStyles(Sheet("s", "", (panel, second))).handles()] == ["a = d", "b", "c"]
-    overview = CurveStyles(Sheet("s", "", (panel, second)), panel_by_panel=True)
-    assert [h.get_label() for h in overview.legend(second)] == ["a = d", "b = c"]
+    each = CurveStyles(Sheet("s", "", (panel, second)), panel_by_panel=True)
+    assert [h.get_label() for h in each.legend(second)] == ["a = d", "b = c"]
     rate = replace(force, path="elements/a/rate", values=3.0 * force.values)
     pairs = Panel("", tuple(Curve(time_of(y), y, 0, name) for y in (force, rate) for name in ("left_wheel", "right")))
     labels = [h.get_label() for h in CurveStyles(Sheet("s", "", (pairs, panel)), panel_by_panel=True).legend(pairs)]
@@ -410,7 +415,7 @@ def test_a_moment_below_the_tolerance_of_forces_is_not_shown(tmp_path):
 def test_panels_show_the_events_of_their_own_elements(tmp_path):
     events = ((0.5, "touch_down"), (1.5, "lift_off"))
     runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
-    whole = sheets.overview([sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("wheels", "angles")])
+    whole = overview([sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("wheels", "angles")])
     other = tuple(EventMark(0.1 * i, "one_hinge", "click", 0, "v", "click") for i in range(3))
     drawn = figure.overview_figure(replace(whole, events=(*whole.events, *other)), "title", "facts")
     panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
@@ -423,12 +428,17 @@ def test_panels_show_the_events_of_their_own_elements(tmp_path):
 
 
 def test_overview_takes_the_first_panels_of_all_sheets(shown):
-    whole = sheets.overview(list(shown.values()))
+    whole = overview(list(shown.values()))
     panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
-    assert len(panels) == sheets.PLACES - 1  # the sketch stays in place and takes one
-    shown_kinds = [panel.subjects[0].removeprefix("one_") for panel in panels]
-    wanted = ["wheel"] * 4 + ["spring_damper"] * 2 + ["torsion_spring_damper", "hinge"]
-    assert shown_kinds[: len(wanted)] == wanted[: sheets.PLACES - 1]  # as many as each sheet puts in the lead
+    assert len(panels) == PLACES - 1  # the sketch stays in place and takes one
+    shown_sheets = [
+        next(sheet.name for sheet in shown.values() if any(panel.curves[0] is curve for curve in sheet.curves))
+        for panel in panels
+    ]
+    wanted = ["wheels"] * 3 + ["struts"] * 2  # as many as each sheet puts in the lead, after those of signals
+    signals = [panel.curves[0].y.path.startswith("signals/") for panel in panels]
+    assert any(signals) and signals == sorted(signals, reverse=True)
+    assert shown_sheets[sum(signals) :][: len(wanted)] == wanted[: PLACES - 1 - sum(signals)]
     figure.overview_figure(whole, "title", "facts").canvas.draw()
 
 
@@ -619,7 +629,7 @@ def test_an_overview_of_several_runs_says_whose_sketch_it_shows_and_keeps_events
     ]
     runs = open_runs(written)
     chosen = [sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("mechanism", "wheels")]
-    first, *axes = figure.overview_figure(sheets.overview(chosen), "title", "").axes
+    first, *axes = figure.overview_figure(overview(chosen), "title", "").axes
     assert first.get_title(loc="left") == "wave = 0.5"
     upright = [line for ax in axes for line in upright_lines(ax)]
     assert upright and max(max(line.get_ydata()) for line in upright) < 0.1

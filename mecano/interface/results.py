@@ -106,10 +106,11 @@ class Results(reader.Results):
         """
         from mecano.post.figure import overview_figure, sheet_figure
         from mecano.post.info import one_line
+        from mecano.post.overview import overview
         from mecano.post.pictures import requested_sheets
         from mecano.post.runs import Run
         from mecano.post.sheet import Panel
-        from mecano.post.sheets import default_sheets, overview
+        from mecano.post.sheets import default_sheets
 
         require_names(names)
         if not len(self.time):

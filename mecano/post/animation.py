@@ -17,12 +17,13 @@ import numpy as np
 from mecano.errors import UsageError
 from mecano.post.deformation import quaternions
 from mecano.post.event_marks import event_marks
+from mecano.post.overview import overview
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
-from mecano.post.sheets import default_sheets, overview
+from mecano.post.sheets import default_sheets
 from mecano.post.verdict import is_sound, verdict
 from mecano.results.whole_file import atomic_file, make_folder
 

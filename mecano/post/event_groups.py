@@ -118,7 +118,7 @@ def shock_sheet(runs: "Sequence[Run]") -> Sheet:
     ]
     if energies:
         panels.append(Panel("energy lost in shocks", tuple(energies), note=_count(found)))
-    return Sheet("shocks", "Shocks", tuple(panels), table=_table(runs))
+    return Sheet("shocks", "Shocks", tuple(panels), table=_table(runs), lead=0)
 
 
 def _window(run, of_run):

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.post.plans import ON_GROUND, Plan, pictures_of
-from mecano.post.quantity import DERIVED, find, largest, peak_of, time_of
+from mecano.post.quantity import DERIVED, find, largest, peak_of, time_of, unit_of
 from mecano.post.sheet import Curve, Panel
 from mecano.results.recorded import MAGNITUDE
 
 if TYPE_CHECKING:
     from mecano.post.runs import Run
 
-MOST = 6  # elements shown together of one run
+MOST = 6  # elements of one run shown together
 MOST_OF_SEVERAL = 2  # elements of each of several runs
 FAR_APART = 20.0  # ratio of magnitudes above which curves do not share a panel
+TURNS = 4.0 * np.pi  # rad; a larger angle is that of something that spins, of which the rate says more
 NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
 
 
@@ -25,7 +26,7 @@ def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]
     things = _element_paths(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
-    remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
+    remark = f"{len(shown)} of {len(things)}, those with events or that vary most" if len(shown) < len(things) else ""
     own_unit = [part for panel in panels for part in _by_unit(panel)]
     parts = [part for panel in worth_showing(own_unit, runs) for part in _by_size(panel)]
     return [with_peaks(part, runs) for part in parts], remark
@@ -76,20 +77,46 @@ def _element_paths(plan, runs):
 
 
 def _most_active(things, view, runs):
+    """Return as many elements as are told apart; of signals, which may have any unit, as many of each."""
     most = MOST if len(runs) == 1 else MOST_OF_SEVERAL
     if len(things) <= most:
         return things
-    activity = {thing: max(_activity(view, thing, run) for run in runs) for thing in things}
-    chosen = sorted(things, key=activity.__getitem__, reverse=True)[:most]
+    rank = {thing: max(_activity(view, thing, run) for run in runs if thing in run.pieces) for thing in things}
+    alike: dict[str, list[str]] = {}
+    for thing in sorted(things, key=rank.__getitem__, reverse=True):
+        run = next(run for run in runs if thing in run.pieces)
+        unit = _unit(run, _first_name(view, thing, run)) if thing.startswith("signals/") else ""
+        alike.setdefault(unit, []).append(thing)
+    chosen = {thing for some in alike.values() for thing in some[:most]}
     return [thing for thing in things if thing in chosen]
 
 
 def _activity(view, thing, run):
-    """Return the range of the first output of the view over all accepted steps."""
-    if thing not in run.pieces:
-        return 0.0
-    names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
-    return run.ranges.get(names[0].removesuffix(MAGNITUDE), 0.0) if names else 0.0
+    """Return a rank, larger for elements to show first: whether it has events, does not spin, and how much it varies.
+
+    The last is the range of the first output of the view over all accepted steps; of the speed of a body that of its
+    momentum, by which a chassis comes before its wheels.
+    """
+    d, name = run.pieces[thing], _first_name(view, thing, run)
+    extent, unit = _range(run, name), _unit(run, name)
+    if unit == "m/s":
+        extent *= d.get("mass", 1.0)
+    return (d["type"], thing.partition("/")[2]) in run.with_events, unit != "rad" or extent <= TURNS, extent
+
+
+def _first_name(view, thing, run):
+    """Return the name of the first output of a view that an element has, or ""."""
+    return next((name for output in view.outputs if (name := _name_of(run, thing, output))), "")
+
+
+def _range(run, name):
+    """Return the range of an output, of a derived one that of the first output on which it depends."""
+    owner, _, last = name.removesuffix(MAGNITUDE).rpartition("/")
+    return run.ranges.get(f"{owner}/{DERIVED[last].needs[0] if last in DERIVED else last}", 0.0)
+
+
+def _unit(run, name):
+    return unit_of(run.results, name) if name else ""
 
 
 def _panel(view, things, runs):

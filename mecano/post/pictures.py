@@ -15,9 +15,10 @@ from mecano.post.loci import sweep_figure
 from mecano.post.measured import read_measured, with_measured
 from mecano.post.mode_shapes import modes_figure
 from mecano.post.nyquist import margins_figure
+from mecano.post.overview import overview
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
-from mecano.post.sheets import default_sheets, overview
+from mecano.post.sheets import default_sheets
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import study_figure
 from mecano.post.study_requests import requested_figures

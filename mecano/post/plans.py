@@ -40,18 +40,18 @@ class Plan:
 WHEELS = Plan(
     "wheels", "Wheels",
     (
-        View("height of the centre", ("height",)),
         View("radial force", ("radial_force|normal_force",)),
+        View("force in the ground", ("longitudinal_force", "lateral_force")),
         View("spin rate", ("spin_rate",), reference="rolling_rate"),
+        View("height of the centre", ("height",)),
         View("slip velocity", ("longitudinal_slip", "lateral_slip")),
         View("radial deformation", ("deformation",)),
-        View("force in the ground", ("longitudinal_force", "lateral_force")),
         View("slip ratio", ("slip_ratio",)),
         View("slip angle", ("slip_angle",)),
         View("lateral displacement of the patch", ("y",)),
         View("torsion of the patch", ("psi",)),
     ),
-    lead=4,
+    lead=3,
 )  # fmt: skip
 BEAMS = Plan(
     "beams", "Beams",
@@ -73,6 +73,19 @@ STRUTS = Plan(
     ),
     lead=2,
 )  # fmt: skip
+CABLES = Plan(
+    "cables", "Cables",
+    (
+        View("tension", ("tension",)),
+        View("length", ("length",), reference="natural_length"),
+        View("strain", ("strain",)),
+        View("strain rate", ("strain_rate",)),
+        View("stress", ("stress",)),
+        View("state", ("state",)),
+        View("inclination", ("inclination",)),
+        View("lift-off", ("lift_off",)),
+    ),
+)  # fmt: skip
 TORSION_SPRINGS = Plan(
     "torsion_springs", "Torsion springs",
     (
@@ -85,7 +98,6 @@ TORSION_SPRINGS = Plan(
 ANGLES = Plan(
     "angles", "Angles of joints",
     (View("angle", ("angle", "angle_a", "angle_b")), View("angular velocity", ("rate", "rate_a", "rate_b"))),
-    lead=2,
 )  # fmt: skip
 SLIDES = Plan(
     "slides", "Displacements of joints",
@@ -150,10 +162,11 @@ LOADS = Plan(
 SIGNALS = Plan(
     "signals", "Signals",
     (View("signal", ("value",)), View("integral", ("integral",)), View("filtered error", ("filtered",))),
+    lead=3,
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS,
-          SIGNALS)  # fmt: skip
+_PLANS = (WHEELS, STRUTS, CABLES, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS,
+          LOADS, SIGNALS)  # fmt: skip
 
 
 def plans(runs: "Sequence[Run]") -> list[Plan]:

@@ -127,6 +127,14 @@ def _as_declared(results, quantity):
     return replace(quantity, unit=unit, values=quantity.values / factor) if unit else quantity
 
 
+def unit_of(results: "Results", path: str) -> str:
+    """Return the unit of an output in the file or derived from it, of a signal the one that its deck declares."""
+    last, series = path.rpartition("/")[2], results.series
+    if last in DERIVED:
+        return DERIVED[last].unit
+    return _declared_unit(results, path)[0] or (series.get(path) or series[path.rpartition(".")[0]]).unit
+
+
 def _declared_unit(results, path):
     """Return (unit, its value in SI) that the deck declares for an output, or ("", 1)."""
     section, _, rest = path.partition("/")

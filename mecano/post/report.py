@@ -13,8 +13,9 @@ from mecano.errors import ResultsError
 from mecano.post.extremes import notable
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
+from mecano.post.overview import overview
 from mecano.post.pictures import requested_sheets
-from mecano.post.sheets import default_sheets, overview
+from mecano.post.sheets import default_sheets
 from mecano.post.verdict import is_sound, verdict, warnings_and_remarks
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 

@@ -71,6 +71,11 @@ class Run:
         return ranges
 
     @cached_property
+    def with_events(self) -> frozenset[tuple[str, str]]:
+        """(kind, name) of the elements, joints, loads and signals of which the file has events."""
+        return frozenset(map(self.results.subject, self.results.events))
+
+    @cached_property
     def scales(self) -> dict[str, float]:
         """Scales of the whole motion by unit; values many orders smaller are numerical noise."""
         lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]

@@ -1,4 +1,4 @@
-"""The standard sheets of a model: those of its kinds, energies, solver, the mechanism itself, and an overview."""
+"""The standard sheets of a model: those of its kinds, energies, solver, and the mechanism itself."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,14 +15,13 @@ from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
 from mecano.post.quantity import find, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
-from mecano.post.sketch import Sketch, sketch
+from mecano.post.sketch import sketch
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 if TYPE_CHECKING:
     from mecano.post.runs import Run
 
 MOST_SKETCHES = 4  # runs sketched on one sheet
-PLACES = 9  # cells of the overview; a sketch of a mechanism that stays in place takes one
 WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
 SMALLEST = 1e-16  # shown on logarithmic axes
 NOTES = {
@@ -50,29 +49,6 @@ def default_sheets(runs: "Sequence[Run]") -> list[Sheet]:
     sheets = [replace(sheet, events=marks) for sheet in sheets]
     sheets.append(shock_sheet(runs))  # without marks, as its curves are the events
     return [replace(sheet, run_labels=labels) for sheet in sheets if sheet.panels]
-
-
-def overview(sheets: Sequence[Sheet]) -> Sheet:
-    """Return the Sheet of a sketch and as many of the most important panels of all sheets as fit."""
-    ranked = [
-        (max(0, i - sheet.lead + 1), k, i)
-        for k, sheet in enumerate(sheets)
-        for i, panel in enumerate(sheet.panels)
-        if isinstance(panel, Panel) and not panel.constant
-    ]
-    sketches = [panel for sheet in sheets for panel in sheet.panels if isinstance(panel, Sketch)][:1]
-    room = PLACES - sum(one.in_place for one in sketches)
-    chosen = sorted((k, i) for _, k, i in sorted(ranked)[:room])
-    panels = (*sketches, *(_named(sheets[k], i) for k, i in chosen))
-    return Sheet("overview", "Overview", panels, sheets[0].events, sheets[0].run_labels)
-
-
-def _named(sheet, i):
-    """Return a panel labelled with its owner, for use without the heading of its sheet."""
-    panel = sheet.panels[i]
-    if len(panel.subjects) > 1 or panel.subjects[0] in (panel.label, sheet.name):
-        return panel
-    return replace(panel, label=f"{panel.subjects[0]}: {panel.label}")
 
 
 def _planned(plan, runs):

@@ -262,7 +262,7 @@ _BAR = Kind(
     name="bar",
     section="elements",
     doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
-    display=Display("cable", axial="tension"),
+    display=Display("cable", pictures=("cables",), axial="tension"),
     dtype=record(**LINE_RECORD),
     layout=("x0", "x1"),
     fields=FIELDS,

@@ -300,7 +300,7 @@ _ALWAYS_ACTIVE = Kind(
     name="reeved_cable",
     section="elements",
     doc=__doc__,
-    display=Display("belt", axial="tension"),
+    display=Display("belt", pictures=("cables",), axial="tension"),
     fields=FIELDS,
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on", geometric=True)),
     phases=PHASES,
