@@ -373,6 +373,26 @@ def test_equal_curves_are_drawn_once_with_all_names(runs):
     assert len(CurveStyles(Sheet("s", "", (two,), (), ("x", "y"))).drawn(two)) == 2
 
 
+def test_a_legend_names_elements_and_quantities_once_if_each_element_has_all(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    names = ("front_left", "front_right", "rear")
+
+    def entries(curves):
+        panel = Panel("", tuple(curves))
+        handles = CurveStyles(Sheet("s", "", (panel,) * 2), panel_by_panel=True).legend(panel)
+        return {handle.get_label(): (handle.get_color(), handle.get_linestyle()) for handle in handles}
+
+    curves = [
+        Curve(time_of(force), replace(force, path=f"elements/{name}/{what}", values=(i + j) * force.values), 0, name)
+        for i, name in enumerate(names)
+        for j, what in ((1, "lateral_force"), (7, "drag_force"))
+    ]
+    found = entries(curves)
+    assert list(found) == [*names, "lateral force", "drag force"]
+    assert len({found[name] for name in names}) == 3 and found["drag force"] == (style.INK, "--")
+    assert list(entries(curves[:-1]))[-1] == "rear: lateral force"  # one without a quantity
+
+
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
     """Panels are as high with six elements and a named event each as with one element and none."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")

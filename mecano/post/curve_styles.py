@@ -112,6 +112,8 @@ class CurveStyles:
         """Return the legend of a panel, without the entries of the legend of the sheet."""
         several = len(panel.subjects) > 1 and self._sheet is None
         named = len(panel.quantities) > 1 or any(curve.reference or curve.measured for curve in panel.curves)
+        if several and named and (apart := self._elements_and_quantities(panel)):
+            return apart
         handles, others = {}, set()
         for equal in self.drawn(panel):
             curve, style = equal[0], self.style(equal[0], panel)
@@ -124,6 +126,32 @@ class CurveStyles:
                     style["color"] = INK
                 handles[text] = Line2D([], [], label=text, **style)
         return list(handles.values()) + _others(len(others - set(handles)))
+
+    def _elements_and_quantities(self, panel):
+        """Return entries of the elements, by colour, and then of the quantities, by dashes.
+
+        None if not all of several elements have all quantities and a style, if colours distinguish runs, or if a curve is
+        measured.
+        """
+        found: dict[tuple[str, ...], dict[str, dict[str, Any]]] = {}
+        for equal in self.drawn(panel):
+            names, quantities = tuple(one.subject for one in equal), {one.y.what for one in equal}
+            style = self.style(equal[0], panel)
+            if len(quantities) > 1 or style is OTHERS or equal[0].measured:
+                return None
+            found.setdefault(names, {})[quantities.pop()] = style
+        styles = next(iter(found.values()))
+        if (
+            self.runs
+            or not 1 < len(found) <= len(COLOURS)
+            or any(own.keys() != styles.keys() for own in found.values())
+        ):
+            return None
+        colours = [next(iter(own.values()))["color"] for own in found.values()]
+        elements = [
+            Line2D([], [], color=colour, label=joined(names)) for names, colour in zip(found, colours, strict=True)
+        ]
+        return elements + [Line2D([], [], **style | {"color": INK}, label=what) for what, style in styles.items()]
 
 
 def _text(equal, several, named):
