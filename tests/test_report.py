@@ -207,13 +207,32 @@ def test_many_events_are_counted_and_listed_in_a_collapsed_block(tmp_path, count
     [section] = [section for section in many.sections if section.heading == "Events"]
     counted, listed = section.parts
     last = [f"{0.25 * i:.5g}" for i in (count - 2, count - 1)]
+    assert counted.columns == ("time [s]", "where", "what", "phase", "times", "last [s]")
     assert counted.rows == [
-        ("cylindrical 'strut'", "opens", str(count // 2), "0", last[0]),
-        ("cylindrical 'strut'", "lower stop", str(count // 2), "0.25", last[1]),
+        ("0", "cylindrical 'strut'", "opens", "a to b", str(count // 2), last[0]),
+        ("0.25", "cylindrical 'strut'", "lower stop", "a to b", str(count // 2), last[1]),
     ]
     assert (listed.title, len(listed.rows)) == (title, min(count, 200))
     text = page_of(many)
     assert f"<details><summary>{title}</summary><table>" in text and Structure(text).open == []
+
+
+def test_like_events_are_grouped_and_shocks_and_releases_come_first(tmp_path):
+    """As in ``mecano info``: four hinges lock together, 40 sticking joints leave them in the table."""
+    layout, deck = Layout([Series("energy/kinetic", "J", "kinetic energy")]), {"joints": {}}
+    deck["joints"] = {name: {"type": "hinge"} for name in "abcd"} | {f"s{i}": {"type": "prismatic"} for i in range(40)}
+    with Writer.create(tmp_path / "many.h5", layout, Source("mecano: 1\n", deck)) as writer:
+        for t in (0.0, 50.0):
+            writer.append(t, [1.0])
+        for i in range(40):
+            writer.append_event(Event(0.1 * i, f"prismatic 's{i}'", "sticks", "slides", "sticks"))
+        for name, impulse in zip("abcd", (1.0, -3.0, 2.0, 0.5), strict=True):
+            writer.append_event(Event(41.0, f"hinge '{name}'", "locks", "free", "locked", "N m s", impulse, 0.25))
+    [section] = [s for s in report_of(open_runs([tmp_path / "many.h5"])[0]).sections if s.heading == "Events"]
+    grouped, told, listed, lost = section.parts
+    assert grouped.rows[-1] == ("41", "4 hinge: a, b, c, and 1 more", "locks", "free to locked", "up to -3 N m s", "1")
+    assert len(grouped.rows) == 30 and "30 of 41 groups" in told.text
+    assert listed.title == "All events" and len(listed.rows) == 44 and lost.text == "Shocks took 1 J in all."
 
 
 def test_the_pictures_are_those_of_post(report):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.element_interface import RELEASES
 from mecano.errors import name_list
 from mecano.post.quantity import Quantity, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
@@ -95,6 +96,12 @@ def repeated(found: list[Group]) -> list[Group]:
         alike.setdefault((*sorted(group.names), group.kind, first.name, first.before, first.after), []).append(group)
     merged = [[_merged(own)] if len(own) >= REPEATED else own for own in alike.values()]
     return sorted((group for own in merged for group in own), key=lambda group: group.time)
+
+
+def most_notable(found: list[Group], most: int) -> list[Group]:
+    """Return at most ``most`` Groups, shocks and releases before others, in order of time."""
+    ranked = sorted(found, key=lambda group: not (group.is_shock or group.events[0].name == RELEASES))
+    return sorted(ranked[:most], key=lambda group: group.time)
 
 
 def _merged(own):

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.element_interface import RELEASES, Display
+from mecano.element_interface import Display
 from mecano.errors import UnknownNameError, name_list
-from mecano.post.event_groups import groups, repeated
+from mecano.post.event_groups import groups, most_notable, repeated
 from mecano.post.extremes import named, notable
 from mecano.post.info_other_files import info_other, is_other
 from mecano.post.runs import Run
@@ -216,7 +216,7 @@ def _events(results, every=None):
         return _listed(results, found, every)
     instants = found
     found = repeated(found) if len(found) > MOST_EVENTS else found
-    shown = found if len(found) <= MOST_EVENTS else _most_notable(found)
+    shown = found if len(found) <= MOST_EVENTS else most_notable(found, MOST_EVENTS)
     lines = [f"Events: {len(results.events)}"]
     if len(found) < len(results.events):
         alike = "repeated ones" if len(found) < len(instants) else "like ones at one instant"
@@ -250,12 +250,6 @@ def _names_of(group):
 def _lines_of(shown, unit):
     width = max(len(group.title) for group in shown)
     return [_event(group, unit, width) for group in shown]
-
-
-def _most_notable(found):
-    """Return MOST_EVENTS groups, shocks and releases before others, in order of time."""
-    ranked = sorted(found, key=lambda group: not (group.is_shock or group.events[0].name == RELEASES))
-    return sorted(ranked[:MOST_EVENTS], key=lambda group: group.time)
 
 
 def _event(group, unit, width):

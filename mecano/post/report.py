@@ -10,6 +10,7 @@ import yaml
 
 from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
+from mecano.post.event_groups import groups, most_notable, repeated
 from mecano.post.extremes import notable
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from mecano.post.runs import Run
 
 MOST_EVENTS = 200
-MANY_EVENTS = 30  # more are counted first, and listed in a collapsed block
+MANY_EVENTS = 30  # groups of like ones, of which the repeated ones are merged if there are more
 MOST_EXTREMES = 400
 LONGEST_LIST = 24  # entries of a list of the deck that are shown
 HEALTH = {
@@ -180,30 +181,40 @@ def _energy(results):
 
 
 def _events(results):
-    """Yield the parts on events, many of them counted first; shocks with impulse and energy lost."""
-    events = results.events
-    many, title = len(events) > MANY_EVENTS, ""
-    shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
-    losses = shocks or any(event.energy_lost for event in events)
-    columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "phase", "impulse", "energy lost [J]")
-    if many:
-        yield _event_table(events, results.axis.unit)
-        title = f"The first {len(shown)} of {len(events)} events" if len(shown) < len(events) else "All events"
+    """Yield the parts on events: groups of like ones, as in ``mecano info``, and all events if these are more."""
+    events, at = results.events, f"{results.axis.path} [{results.axis.unit}]"
+    found = groups(results)
+    found = repeated(found) if len(found) > MANY_EVENTS else found
+    told = most_notable(found, MANY_EVENTS)
+    shocks = any(event.impulse_unit for event in events)
+    losses = ("impulse", "energy lost [J]") if shocks or any(event.energy_lost for event in events) else ()
+    if len(found) < len(events):
+        again = ("times", f"last [{results.axis.unit}]") if any(group.times > 1 for group in found) else ()
+        rows = [_group(group, again, losses) for group in told]
+        yield Table((at, "where", "what", "phase", *again, *losses), rows, 4)
+    if len(told) < len(found):
+        yield Text(f"These are {len(told)} of {len(found)} groups of like events, shocks and releases first.")
+    shown = events[:MOST_EVENTS]
     if shown:
-        rows = [_event(event)[: None if losses else 4] for event in shown]
-        yield Table(columns if losses else columns[:4], rows, 4, title=title)
+        title = f"The first {len(shown)} of {len(events)} events" if len(shown) < len(events) else "All events"
+        rows = [_event(event)[: 4 + len(losses)] for event in shown]
+        yield Table((at, "where", "what", "phase", *losses), rows, 4, title=title if len(found) < len(events) else "")
     if shocks:
         lost = sum(event.energy_lost for event in events if event.impulse_unit)
         yield Text(f"Shocks took {lost:.6g} J in all.")
 
 
-def _event_table(events, unit):
-    """Return the Table of events of one element and name: their number, the first and the last."""
-    times: dict[tuple[str, str], list[float]] = {}
-    for event in events:
-        times.setdefault((event.element, event.name.replace("_", " ")), []).append(event.time)
-    rows = [(*key, str(len(own)), number(own[0]), number(own[-1])) for key, own in times.items()]
-    return Table(("where", "what", "number", f"first [{unit}]", f"last [{unit}]"), rows, 2)
+def _group(group, again, losses):
+    """Return the row of a Group, with the columns ``again`` of repeated ones and ``losses`` of impulse and energy."""
+    first, last = group.events[0], group.events[-1]
+    row = [number(group.time), group.title, *_event(first)[2:4]]
+    if again:
+        row += [str(group.times), number(last.time)] if group.times > 1 else ["", ""]
+    if losses:
+        up_to = "up to " if len(group.events) > 1 else ""
+        row.append(f"{up_to}{number(group.impulse)} {first.impulse_unit}" if group.is_shock else "")
+        row.append(number(group.lost) if group.is_shock or group.lost else "")
+    return tuple(row)
 
 
 def _event(event):
