@@ -285,6 +285,13 @@ def test_every_axis_has_a_label_and_a_unit(shown):
                 assert "[" in ax.get_xlabel()
 
 
+def test_the_picture_of_the_solver_explains_what_is_a_large_residual_and_error(shown):
+    notes = {panel.label: panel.note for panel in shown["solver"].panels}
+    assert notes["residuals over their tolerances"].startswith("below 1: converged")
+    assert notes["error of a step over its allowed value"].startswith("steps above 1 are repeated")
+    assert all(notes.values())
+
+
 def test_events_are_lines_with_marks_that_a_legend_explains(tmp_path):
     events = ((0.5, "touch_down"), (0.501, "lift_off"), (1.0, "touch_down"))
     runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])

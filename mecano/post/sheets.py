@@ -29,6 +29,13 @@ NOTES = {
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
     "rejected trials": lambda values: f"{np.sum(values):.0f} in all",
 }
+RESIDUALS, ERROR = "residuals over their tolerances", "error of a step over its allowed value"
+ESTIMATE = "estimated error of a step"
+EXPLAINED = {
+    RESIDUALS: "below 1: converged; a force above 1: rounding of positions",
+    ESTIMATE: "over the length scale, or in rad",
+    ERROR: "steps above 1 are repeated with a smaller size",
+}
 
 
 def default_sheets(runs: "Sequence[Run]") -> list[Sheet]:
@@ -115,9 +122,9 @@ def _solver(runs):
     panels = (
         _history(runs, "step size", ("step_size",)),
         _history(runs, "Newton iterations", ("iterations",)),
-        _history(runs, "residuals over their tolerances", ("force_residual", "constraint_residual", "increment")),
-        _history(runs, "estimated error of a step", ("error_estimate",)),
-        _history(runs, "error of a step over its allowed value", ("error_over_tolerance",)),
+        _history(runs, RESIDUALS, ("force_residual", "constraint_residual", "increment")),
+        _history(runs, ESTIMATE, ("error_estimate",)),
+        _history(runs, ERROR, ("error_over_tolerance",)),
         _history(runs, "rejected trials", ("rejected",)),
     )
     return Sheet("solver", "Solver", tuple(panel for panel in panels if panel is not None))
@@ -136,7 +143,7 @@ def _history(runs, label, columns):
     if not curves:
         return None
     logarithmic = _ranges_widely(curves)
-    note = NOTES[label](curves[0].y.values) if len(runs) == 1 and label in NOTES else ""
+    note = NOTES[label](curves[0].y.values) if len(runs) == 1 and label in NOTES else EXPLAINED.get(label, "")
     return Panel(label, curves, logarithmic=logarithmic, stepped=True, note=note)
 
 
