@@ -722,6 +722,15 @@ def test_a_peak_without_a_unit_is_reported_without_a_gap(runs):
     assert "max 0.5 at 1.25 s" in [text.get_text() for text in ax.texts]
 
 
+def test_a_peak_is_not_read_as_two_numbers(runs):
+    """A strain of 0.00101 is 1010·10⁻⁶, not 1010 10⁻⁶."""
+    (ratio,) = find(runs[0].results, "one_wheel.friction_coefficient")
+    strain = replace(ratio, values=1e-3 * ratio.values / np.abs(ratio.values).max())
+    panel = Panel("strain", (Curve(time_of(strain), strain, 0, "one_wheel"),), peak=(0.00101, 1.25))
+    (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
+    assert "max 1010·10⁻⁶ at 1.25 s" in [text.get_text() for text in ax.texts]
+
+
 def test_what_is_constant_but_for_rounding_looks_constant():
     assert style.range_of(np.array([9.81, 9.81 + 1e-12])) == pytest.approx((8.829, 10.791), rel=1e-9)
     assert style.range_of(np.zeros(3)) == (-1.0, 1.0)

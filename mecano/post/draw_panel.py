@@ -134,7 +134,8 @@ def _note(ax, panel, factor, unit):
     text = panel.note
     if panel.peak:
         value, time = panel.peak
-        extreme = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit}".rstrip()
+        times = "·" if unit.startswith("10") else " "  # a power of ten before the unit
+        extreme = f"{'max' if value >= 0 else 'min'} {value / factor:.4g}{times}{unit}".rstrip()
         text = f"{extreme} at {time:.4g} {panel.curves[0].x.unit}".rstrip()
     if text:
         note_below(ax, text)
