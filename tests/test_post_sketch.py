@@ -104,6 +104,20 @@ def test_instants_of_a_travelling_mechanism_are_shown_side_by_side():
     assert not _shift([shape], side, None).any()
 
 
+def test_a_narrow_mechanism_that_moves_is_shown_side_by_side():
+    """In place the coils of a strut that strokes would be drawn over one another."""
+    heights, side = np.array([1.0, 0.7, 0.9]), np.eye(3)[[0, 2]]
+    points = np.zeros((3, 2, 3))
+    points[:, 1, 2] = heights
+    strut = Shape(SPRING, "strut", points)
+    shift = _shift([strut], side, None)
+    assert np.all(np.diff(shift[:, 0]) > 0.25) and not shift[:, 1].any()  # a zigzag is 0.2 of its length wide
+    still = Shape(SPRING, "strut", np.repeat(points[:1], 3, axis=0))
+    assert not _shift([still], side, None).any()
+    wide = Shape(BODY, "table", points + np.array([[0.0, 0, 0], [0.5, 0, 0]]))
+    assert not _shift([wide], side, None).any()
+
+
 def test_instants_follow_the_motion():
     times = np.linspace(0.0, 10.0, 101)
     cloud = np.zeros((101, 2, 3))

@@ -76,7 +76,7 @@ def _draw_legend(ax, colours, sketch):
     if not 1 < len(colours) <= MOST_NAMES:
         return 0.0
     handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
-    return legend_above(ax, handles, NARROW if sketch.in_place else WIDE)
+    return legend_above(ax, handles, WIDE if sketch.wide else NARROW)
 
 
 def _label_instants(ax, sketch):

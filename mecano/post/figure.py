@@ -47,10 +47,10 @@ def sheet_figure(sheet: Sheet, title: str) -> Figure:
 
 
 def overview_figure(sheet: Sheet, title: str, facts: str) -> Figure:
-    """Return the figure of an overview: panels around the sketch, which is in a corner or fills the first row."""
+    """Return the figure of an overview: panels around the sketch, which is in a corner or, if wide, fills the first row."""
     first = sheet.panels[0]
     sketched = not isinstance(first, Panel)
-    wide = not isinstance(first, Panel) and not first.in_place
+    wide = not isinstance(first, Panel) and first.wide
     cells = [(r, c) for r in range(len(sheet.panels)) for c in range(COLUMNS)]
     taken = [(0, c) for c in range(COLUMNS if wide else sketched)]
     free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]

@@ -10,7 +10,7 @@ from mecano.post.plans import SIGNALS
 from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.sketch import Sketch
 
-PLACES = 9  # cells; a sketch of a mechanism that stays in place takes one
+PLACES = 9  # cells; a sketch takes one of them, or a row of its own if it is wide
 APART = ("solver", "members", "members_peak")  # of the computation, which the heading summarizes; at one instant
 SAME = 0.01  # of the largest value: curves that differ by less look the same, and so do a line and a curve
 STEADY = 1e-3  # of the largest value: a quantity that varies less is steady
@@ -26,7 +26,7 @@ def overview(sheets: Sequence[Sheet]) -> Sheet:
     another one are left out, and steady quantities and angles of many turns unless there is nothing else.
     """
     sketches = [panel for sheet in sheets for panel in sheet.panels if isinstance(panel, Sketch)][:1]
-    room = PLACES - sum(one.in_place for one in sketches)
+    room = PLACES - sum(not one.wide for one in sketches)
     ranked = sorted(_ranked(sheets))
     first = [place for *rank, place in ranked if rank[0] < DULL] or [place for *_, place in ranked]
     chosen = sorted(_without_repetition(sheets, first)[:room], key=lambda place: (not _defined(sheets, place), place))

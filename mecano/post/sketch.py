@@ -17,6 +17,9 @@ MOST_ROWS = 300  # saved times considered
 INSTANTS = 7
 FAR = 6.0  # widths: a mechanism that travels farther is shown side by side, not in place
 PITCH = 1.25  # spacing side by side, in widths
+UPRIGHT = 0.35  # width over height of a mechanism, below which it is shown side by side, and the spacing
+WIDE = 0.38  # height over width of a picture that is as wide as several panels
+MOVES = 0.02  # of the height: a mechanism that moves less is shown in place
 PATHS = 12  # most paths of points shown
 STILL = 1e-3  # of the size of the picture: a point that moves less has no path
 ALIKE = 0.99  # two extents that differ by less count as equal
@@ -70,6 +73,11 @@ class Sketch:
     def in_place(self) -> bool:
         """True if all instants are shown in place, without shift."""
         return not self.shift.any()
+
+    @property
+    def wide(self) -> bool:
+        """True if it needs the width of several panels to be as high as one."""
+        return not self.in_place and self.aspect < WIDE
 
     @property
     def aspect(self) -> float:
@@ -158,15 +166,24 @@ def _shift(drawn, matrix, up):
     low, high = flat.min(axis=1), flat.max(axis=1)
     width, middle = np.max((high - low)[:, 0]), 0.5 * (low + high)
     shift = np.zeros((len(flat), 2))
-    if np.ptp(middle, axis=0).max() <= FAR * width or not width:
+    pitch = PITCH * width
+    if _is_upright(flat):
+        pitch = max(pitch, UPRIGHT * np.ptp(flat[..., 1]))
+    elif np.ptp(middle, axis=0).max() <= FAR * width or not width:
         return shift
-    shift[:, 0] = PITCH * width * np.arange(len(flat)) - middle[:, 0]
+    shift[:, 0] = pitch * np.arange(len(flat)) - middle[:, 0]
     if up is not None:
         points = np.concatenate([s.points for s in drawn], axis=1)
         travel = 0.5 * (points.min(axis=1) + points.max(axis=1))
         travel -= travel[0]
         shift[:, 1] = -(travel - np.outer(travel @ up, up)) @ matrix[1]
     return shift
+
+
+def _is_upright(flat):
+    """Return whether a mechanism that moves is so narrow that it would hide itself if shown in place."""
+    width, height = np.ptp(flat.reshape(-1, 2), axis=0)
+    return width < UPRIGHT * height and np.ptp(flat, axis=0).max() > MOVES * height
 
 
 def _patches(run, drawn, matrix, shift):
