@@ -47,7 +47,7 @@ def sheet_figure(sheet: Sheet, title: str) -> Figure:
 
 
 def overview_figure(sheet: Sheet, title: str, facts: str) -> Figure:
-    """Return the figure of an overview: panels around the sketch, which is in a corner or, if wide, fills the first row."""
+    """Return the figure of an overview: panels around the sketch in a corner, or below it if it is wide."""
     first = sheet.panels[0]
     sketched = not isinstance(first, Panel)
     wide = not isinstance(first, Panel) and first.wide
