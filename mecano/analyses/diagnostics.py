@@ -199,6 +199,17 @@ def limit_warnings(
     return found
 
 
+def until_warnings(values: "Values", t: float, met: bool) -> Iterator[str]:
+    """Yield a warning if the condition that ends a run was true at its start, or never; ``values``: section ``time``.
+
+    ``met``: whether the run ended by it, at ``t`` [s].
+    """
+    if met and t <= values["start"]:
+        yield f"'time.until', {values['until']}, is true at the start: the run has no steps"
+    elif values["until"] and not met:
+        yield f"'time.until', {values['until']}, did not become true before 'time.end', {values['end']:g} s"
+
+
 def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
     """Yield a text that names the elements that, by the ``phases`` at the end, were activated without effect."""
     found = [

@@ -15,6 +15,7 @@ from mecano.analyses.diagnostics import (
     open_latch_warnings,
     oscillation_warnings,
     step_cut_warnings,
+    until_warnings,
     untouched_ground_warnings,
     waiting_warnings,
     wrap_warnings,
@@ -34,7 +35,7 @@ from mecano.results.disk import deferring_signals
 from mecano.results.file_names import refuse_existing
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
-from mecano.results.reason import ENDED, with_warnings
+from mecano.results.reason import ENDED, UNTIL, with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer
 
@@ -278,7 +279,7 @@ class Ongoing:
         return with_external_values(self.integrator.system, self.state.motion, titles)
 
     def to_the_end(self) -> "RunState":
-        """Integrate to the end time of the deck, close the file, and return the final RunState."""
+        """Integrate to the end of the run, close the file, and return the final RunState."""
         self.advance(self.deck.values["time"]["end"])
         self._complete()
         return self.state
@@ -288,13 +289,23 @@ class Ongoing:
         warnings = self._final_warnings()
         for text in warnings:
             self._announce(text)
-        self.recorder.writer.close("complete", with_warnings(ENDED, warnings))
+        t, writer = self.state.motion.t, self.recorder.writer
+        if self.ended and t > writer.last_time:
+            writer.append(t, self.recorder.row)  # between two saved times
+        met = f"{UNTIL.format(self.deck.values['time']['until'])} at t = {t:.9g} s"
+        writer.close("complete", with_warnings(met if self.ended else ENDED, warnings))
+
+    @property
+    def ended(self) -> bool:
+        """Whether the condition at which the run ends is met."""
+        return self.integrator.monitor.ended(self.state.motion)
 
     def _final_warnings(self):
         deck, integrator, recorder, values = self.deck, self.integrator, self.recorder, self.deck.values["time"]
         sampler, extremes = recorder.sampler, recorder.writer.extremes
         warnings = [*integrator.warnings, *step_cut_warnings(values, integrator.cuts, self.state)]
         warnings += capture_warnings(values, integrator.capture)
+        warnings += until_warnings(values, self.state.motion.t, self.ended)
         warnings += limit_warnings(deck, sampler, extremes)
         warnings += open_latch_warnings(deck, recorder.row, sampler)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
@@ -312,9 +323,9 @@ class Ongoing:
         ]
 
     def leave(self) -> None:
-        """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""
+        """Close the file: as complete at the end of the run, otherwise with a checkpoint."""
         t = self.state.motion.t
-        if t >= self.deck.values["time"]["end"]:
+        if t >= self.deck.values["time"]["end"] or self.ended:
             self._complete()
             return
         self.checkpoint()

@@ -187,7 +187,8 @@ def _run_size_lines(prepared):
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)
     kind = f"{count} of {time['step']:g} s" if count is not None else f"adaptive, the first of {time['step']:g} s"
-    yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
+    until = f", or until {time['until']}" if time["until"] else ""
+    yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s{until}"
     yield f"saved times      {'every step' if saved is None else saved}"
     if first := values["initial"]["static"]:
         yield f"initial          the static equilibrium, found by {first['method']}"

@@ -36,6 +36,10 @@ def build(deck: "Deck") -> Model:
         for section in SECTIONS
         for name, d in values[section].items()
     ]
+    if values["time"] and values["time"]["until"]:
+        from mecano.constraints.run_end import RUN_END  # few decks need it
+
+        elements.append(Element("until", RUN_END, (), {"until": values["time"]["until"]}))
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
 
 

@@ -31,6 +31,7 @@ KEYS = {  # in small letters, without "_": names in mecano, best first
     "dt, h, timestep, stepsize": "step every",
     "tend, endtime, tfinal, finaltime, duration, tmax, stop, stoptime": "end to",
     "step, interval, outputstep": "every",
+    "stopwhen, endwhen, stopif, endif, condition, stopcondition, endcondition, termination": "until when",
     "t0, starttime, tstart": "start",
     "start": "from",
     "bodies, members, springs, dampers, loads, wheels, contacts, objects": "elements",

@@ -8,6 +8,7 @@ from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STAT
 from mecano.elements.members.cross_section import check_section
 from mecano.schema import (
     BOOLEAN,
+    CONDITION,
     CURVE,
     DIRECTION,
     INTEGER,
@@ -227,7 +228,11 @@ NEWTON_FIELDS = (
 )
 TIME_FIELDS = (
     Field("start", NUMBER, "s", "time at the start", 0.0),
-    Field("end", NUMBER, "s", "time at the end"),
+    Field("end", NUMBER, "s", "time at the end, at the latest"),
+    Field(
+        "until", CONDITION, "-",
+        "condition of signals, outputs and motions at which the run ends before that, as in hinge.angle > 1.5", None,
+    ),
     Field("step", NUMBER, "s", "time step; with 'adaptive' the first one", check=positive),
     Field(
         "method", choice("generalized_alpha", "hht", "newmark", "radau"), "-",

@@ -78,6 +78,8 @@ class Event:
     """True if its number is that of a signal, which may rise through zero and fall again within one step"""
     command: str = ""
     """input whose value is its number; then it is also a condition"""
+    ends_run: bool = False
+    """True if the time integration stops at it"""
     beyond: int = -1
     """index of an event: by command, this one replaces the first of the same command if that event would follow at
     once, its number being positive"""

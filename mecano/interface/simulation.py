@@ -120,6 +120,8 @@ class Simulation(ByName):
             raise UsageError(f"a duration must be a number greater than zero, in seconds, got {duration!r}")
         if self.time >= self.end:
             raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
+        if self._started.ended:
+            raise UsageError(f"the run ended at t = {self.time:.9g} s, by the condition of 'time.until'")
         try:
             with interruptible(self._interruption):
                 self._started.advance(min(self.time + duration, self.end), self._given)

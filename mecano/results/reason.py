@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 SEPARATOR = ";\n"
 ENDED = "the end was reached"  # reason of most complete runs
+UNTIL = "{} was met"  # of runs that a condition ends
 
 
 def with_warnings(reason: str, warnings: Iterable[str]) -> str:

@@ -144,6 +144,12 @@ class Writer:
             self._file[f"deck/{name}"] = text
         self._file["run"].attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance()})
 
+    @property
+    def last_time(self) -> float:
+        """Time [s] of the last row of outputs, of which there is at least one."""
+        assert self._last_time is not None
+        return self._last_time
+
     def append(self, time: float, values: np.ndarray) -> None:
         """Append the values (layout.size,) at a saved time [s]."""
         self._last_time = time

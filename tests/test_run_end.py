@@ -1,0 +1,71 @@
+"""Runs that a condition ends: a fall, by either method; resuming, warnings, the interface."""
+
+import numpy as np
+import pytest
+import yaml
+
+import mecano
+
+FALL = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {ball: {position: [0, 0, 5]}}
+    elements: {mass: {type: point_mass, node: ball, mass: 2}}
+    time: {end: 4, step: 0.01, until: UNTIL}
+    output: {every: 0.25}
+    """
+DURATION = np.sqrt(2.0 * 5.0 / 9.81)  # of the fall to z = 0
+
+
+def _fall(until="ball.position.z < 0", **time):
+    deck = mecano.Deck(yaml.safe_load(FALL.replace("UNTIL", until)))
+    for name, value in time.items():
+        deck["time"][name] = value
+    return deck
+
+
+@pytest.mark.parametrize("time", [{}, {"method": "radau"}, {"adaptive": {"tolerance": 1e-5, "length_scale": 5.0}}])
+def test_a_fall_ends_at_the_ground(tmp_path, time):
+    results = mecano.run(_fall(**time), tmp_path / "fall.h5")
+    assert results.status == "complete" and results.warnings == []
+    assert results.reason == f"ball.position.z < 0 was met at t = {results.time[-1]:.9g} s"
+    np.testing.assert_allclose(results.time, [0.0, 0.25, 0.5, 0.75, 1.0, DURATION], atol=1e-9)
+    assert results["ball.position.z"].values[-1] == pytest.approx(0.0, abs=1e-8)
+    assert [(event.name, event.time) for event in results.events] == [("ends the run", results.time[-1])]
+
+
+def test_a_stopped_run_is_resumed_to_its_end(tmp_path):
+    """With the bits of a run that is not interrupted; then it is complete."""
+    whole = mecano.run(_fall(), tmp_path / "whole.h5")
+    with mecano.Simulation(_fall(), tmp_path / "parts.h5") as simulation:
+        simulation.advance(0.6)
+    parts = mecano.run(_fall(), tmp_path / "parts.h5", resume=True)
+    assert parts.status == "complete" and parts.reason == whole.reason
+    assert parts["ball.position"].values.tobytes() == whole["ball.position"].values.tobytes()
+
+
+def test_a_simulation_ends_by_the_condition(tmp_path):
+    with mecano.Simulation(_fall(), tmp_path / "fall.h5") as simulation:
+        simulation.advance(3.0)
+        assert simulation.time == pytest.approx(DURATION, abs=1e-9)
+        with pytest.raises(mecano.errors.UsageError, match="by the condition of 'time.until'"):
+            simulation.advance(0.1)
+    assert simulation.results().status == "complete"
+
+
+@pytest.mark.parametrize(
+    ("until", "rows", "text"),
+    [
+        ("ball.position.z < -200", 17, "'time.until', ball.position.z < -200, did not become true before"),
+        ("ball.position.z < 6", 1, "'time.until', ball.position.z < 6, is true at the start: the run has no steps"),
+    ],
+)
+def test_conditions_that_end_no_run_are_warned_of(tmp_path, until, rows, text):
+    results = mecano.run(_fall(until), tmp_path / "fall.h5")
+    assert results.status == "complete" and len(results.time) == rows
+    assert any(text in warning for warning in results.warnings)
+
+
+def test_a_condition_of_an_unknown_name_is_refused():
+    with pytest.raises(mecano.errors.DeckError, match="'bal'"):
+        mecano.check(_fall("bal.position.z < 0"))
