@@ -43,7 +43,7 @@ class EventMonitor:
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, as are the conditions
         self.conditions = np.flatnonzero([e.condition or bool(e.command) for e in events])
-        self._final = [
+        self.final = [  # phases of elements, and the one in which a run has ended
             (batch.phases, batch.kind.phases.index(event.after))
             for batch in self._batches
             for event in batch.kind.events
@@ -57,7 +57,7 @@ class EventMonitor:
 
     def ended(self, s: "State") -> bool:
         """Return whether an event that ends the run has happened before or at ``s``."""
-        return any(bool((s.phases[of] == phase).any()) for of, phase in self._final)
+        return any(bool((s.phases[of] == phase).any()) for of, phase in self.final)
 
     def changing_energy(self, hit: np.ndarray) -> dict[int, tuple[str, str]]:
         """Return {index of the element: (its name, name of the event)} of the events ``hit`` that change its energy.

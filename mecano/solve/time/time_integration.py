@@ -156,7 +156,7 @@ class TimeIntegrator:
             run = self._start_again(run, run.motion)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
-        while run.motion.t < end and not self.monitor.ended(run.motion):
+        while run.motion.t < end and not (self.monitor.final and self.monitor.ended(run.motion)):
             stop = self._next_stop(run, end)
             if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
                 run = replace(run, motion=replace(run.motion, t=stop))
