@@ -130,8 +130,8 @@ class CurveStyles:
     def _elements_and_quantities(self, panel):
         """Return entries of the elements, by colour, and then of the quantities, by dashes.
 
-        None if not all of several elements have all quantities and a style, if colours distinguish runs, or if a curve is
-        measured.
+        None if not all of several elements have all quantities and a style, if colours distinguish runs, or if a curve
+        is measured.
         """
         found: dict[tuple[str, ...], dict[str, dict[str, Any]]] = {}
         for equal in self.drawn(panel):
