@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.friction_and_play import sticking_warnings
 from mecano.analyses.kind_samples import samples
-from mecano.analyses.small_motion_warnings import sticking_warnings
 from mecano.deck.build import build, set_velocities
 from mecano.elements.joints.coupler import COUPLER
 from mecano.errors import DeckError

@@ -515,7 +515,7 @@ def test_time_for_compiling_is_separate(monkeypatch, capsys):
 
 def test_friction_at_rest_is_reported_as_a_damper():
     """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
-    at_rest = "joint sticks, and small motions include that damper"
+    at_rest = "while it sticks, and small motions include that damper"
     rest = input_deck("friction_pendulum", "initial.velocities=[]")
     reported = modes(rest, None)[0]
     assert (
@@ -524,6 +524,25 @@ def test_friction_at_rest_is_reported_as_a_damper():
     )
     swinging = input_deck("friction_pendulum", "initial.velocities=[{nodes: [pin], angular_velocity: [0, 1, 0]}]")
     assert at_rest not in modes(swinging, None)[0]
+
+
+def test_dry_friction_of_a_law_at_rest_is_reported_as_a_damper():
+    """The seals of a strut: at rest, but neither while it moves faster than its regularization nor without friction."""
+    at_rest = "spring_damper 'absorber': regularized friction acts as a strong viscous damper"
+    assert at_rest in modes(input_deck("nose_gear_rigid"), None)[0]
+    apart = "initial.velocities=[{nodes: [leg_head], velocity: [0, 0, 1]}]"
+    for changes in ("laws.oleo.dry_friction.force=0", apart):
+        assert at_rest not in modes(input_deck("nose_gear_rigid", changes), None)[0]
+
+
+@pytest.mark.parametrize(("turned", "within"), [(0.0, True), (0.003, False)])
+def test_small_motions_within_free_play_are_reported(turned, within):
+    """The torque link has no stiffness up to 2 mrad; the springs of its damper and tyre alone do not count as play."""
+    play = "torsion_spring_damper 'torque_link': small motions lie within the free play"
+    natural = f"elements.torque_link.natural_angle={turned}"
+    assert (play in modes(input_deck("shimmy_freeplay", natural), None)[0]) == within
+    spring = "laws.link={damper: {coefficient: 10}, spring: 5.0e4}"
+    assert play not in modes(input_deck("shimmy_freeplay", spring), None)[0]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.analyses.friction_and_play import friction_and_play_warnings
 from mecano.analyses.modes_contents import contents, inner_motions
 from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, operating_point
 from mecano.analyses.small_motion_warnings import (
@@ -11,7 +12,6 @@ from mecano.analyses.small_motion_warnings import (
     accuracy_warnings,
     imbalance_warnings,
     slow_mode_warnings,
-    sticking_warnings,
 )
 from mecano.analyses.source import source_of
 from mecano.post.text_table import aligned
@@ -59,7 +59,7 @@ def modes(
         reported = [
             *base.warnings,
             *imbalance_warnings(base, turning),
-            *sticking_warnings(deck, system, base.state),
+            *friction_and_play_warnings(deck, system, base.state),
             *accuracy_warnings(lin.variation, found.residuals),
             *slow_mode_warnings(lin, found.values),
         ]

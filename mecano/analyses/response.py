@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
+from mecano.analyses.friction_and_play import friction_and_play_warnings
 from mecano.analyses.input_channels import Input, place_of, unknowns_of, with_inputs
 from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, held_warnings, operating_point
@@ -17,7 +18,6 @@ from mecano.analyses.small_motion_warnings import (
     accuracy_warnings,
     imbalance_warnings,
     slow_response_warnings,
-    sticking_warnings,
 )
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant, write_state_space
@@ -183,7 +183,7 @@ def state_warnings(deck: "Deck", base: OperatingPoint, plant: Plant, turning: np
     late = set(held_warnings(deck))
     yield from (text for text in base.warnings if text not in late)
     yield from imbalance_warnings(base, turning, f"{what} is that")
-    yield from sticking_warnings(deck, base.prepared.system, base.state)
+    yield from friction_and_play_warnings(deck, base.prepared.system, base.state)
     yield from accuracy_warnings(plant.lin.variation, [], f"{what} holds")
 
 

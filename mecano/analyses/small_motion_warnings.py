@@ -1,4 +1,4 @@
-"""Warnings about small motions: no equilibrium, joints that stick, variable or inaccurate equations."""
+"""Warnings about small motions: no equilibrium, variable or inaccurate equations."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -15,7 +15,6 @@ from mecano.solve.modal.linearize import RESTING, Linearization
 from mecano.solve.modal.modes import CONVERGED, unstable
 
 if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
     from mecano.model.state import State
     from mecano.model.system import System
 
@@ -92,35 +91,6 @@ def _matrix(system, s, cK, cM):
     assembly, n_q = system.assemble(s, cK=cK, cM=cM), system.n_q
     whole = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
     return whole[:n_q, :n_q], assembly.size.max(initial=0.0)
-
-
-def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
-    """Yield a warning about joints whose friction is in its regularized range, where it acts as a viscous damper."""
-    first = {joint.name: joint.nodes[:2] for joint in system.model.elements if joint.kind.section == "joints"}
-    stuck = [  # a coupler has no nodes of its own: its friction opposes the rate of its first coordinate
-        f"{d['type']} '{name}'"
-        for name, d in deck.values["joints"].items()
-        if (friction := d.get("friction"))
-        and _sliding(system, s, d.get("nodes", first[name]), friction) < friction["regularization"]
-    ]
-    if stuck:
-        yield (
-            f"{', '.join(stuck)}: regularized friction acts as a strong viscous damper while the joint sticks, and "
-            "small motions include that damper; for those of a sliding joint remove the friction, for those of a "
-            "sticking joint replace it by a fixed joint"
-        )
-
-
-def _sliding(system, s, pair, friction):
-    """Return an upper bound [m/s] of the sliding speed of two nodes, rotation taken at the largest radius given."""
-    of, names = system.numbering, [node.name for node in system.nodes]
-    motion = []
-    for i in (names.index(name) for name in pair if name in names):
-        x, r = of.x[i], of.r[i]
-        motion.append((s.v[x : x + 3], s.R[of.rotation[i]] @ s.v[r : r + 3]))
-    v, omega = (np.linalg.norm(m[-1] - m[0] if len(m) > 1 else m[0]) for m in zip(*motion, strict=True))
-    radius = max((value for key, value in friction.items() if "radius" in key and value), default=1.0)
-    return max(float(v), radius * float(omega))
 
 
 def accuracy_warnings(

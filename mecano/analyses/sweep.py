@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from mecano.analyses.friction_and_play import friction_and_play_warnings
 from mecano.analyses.modal import largest_motions
 from mecano.analyses.operating_point import angular_velocity_of, operating_point
 from mecano.analyses.small_motion_warnings import STEADY, accuracy_warnings, imbalance_warnings, slow_mode_warnings
@@ -127,7 +128,8 @@ class Case:
 
     def spectrum(self, settings: Settings) -> tuple[Spectrum, Describe, float]:
         """Return (Spectrum, function of a mode that describes its motion, variation) of a state."""
-        base = operating_point(self.deck(settings))
+        deck = self.deck(settings)
+        base = operating_point(deck)
         prepared, system = base.prepared, base.prepared.system
         turning = angular_velocity_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
@@ -135,7 +137,12 @@ class Case:
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))
-        for text in (*base.warnings, *imbalance_warnings(base, turning), *slow_mode_warnings(lin, found.values)):
+        for text in (
+            *base.warnings,
+            *imbalance_warnings(base, turning),
+            *friction_and_play_warnings(deck, system, base.state),
+            *slow_mode_warnings(lin, found.values),
+        ):
             self.warn(text, settings)
 
         def motion(value, shape):
