@@ -75,6 +75,25 @@ def test_oscillator():
     assert peaks["weight.velocity.z"].frequency == pytest.approx(w / (2 * np.pi), rel=1e-7)
 
 
+@pytest.mark.parametrize(("spring", "late", "poles"), [(200, False, 0), (-200, False, 1), (200, True, 2)])
+def test_a_response_of_an_unstable_system_is_reported(spring, late, poles):
+    """2 s^2 + 4 s + k + 150 exp(-0.1 s): without the late force stable for k > 0, with it two poles grow.
+
+    They are near the frequency at which the late force has turned by a quarter of a period and outweighs the damper.
+    """
+    text = OSCILLATOR.replace("spring: 200", f"spring: {spring}").replace("initial: static", "")
+    if late:
+        text = text.replace("push: 0*time", "push: 0*time, seen: {type: delay, input: weight.position.z, time: 0.1}")
+        text = text.replace("value: push}", "value: push - 150*seen}")
+        s = np.roots([2.0, 4.0, 350.0])[0]  # by Newton's method
+        for _ in range(20):
+            s -= (2 * s**2 + 4 * s + 200 + 150 * np.exp(-0.1 * s)) / (4 * s + 4 - 15 * np.exp(-0.1 * s))
+        assert s.real > 0.1
+    found = respond(text, ["push"], ["weight.position.z"])
+    said = f"unstable, with {poles} pole{'s' if poles > 1 else ''} with a positive real part"
+    assert any(said in one for one in found.warnings) == (poles > 0)
+
+
 def test_a_load_is_an_input_itself():
     """The law of time of a load, with any value, gives the response of a signal in its place."""
     model = OSCILLATOR.replace("value: push}", "value: {sine: {amplitude: 3, frequency: 2}}}")

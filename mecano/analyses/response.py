@@ -28,6 +28,7 @@ from mecano.results.file_names import to_be_written
 from mecano.results.response_file import refuse_table, write_response, write_table
 from mecano.solve.modal.frequency_grid import Peak, Sampled, grid, peaks, refine
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
+from mecano.solve.modal.late_feedback import growing_poles
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import poles_up_to
 
@@ -165,6 +166,7 @@ def _find(deck, request, to_export):
     warnings = [
         *state_warnings(changed, base, plant, turning, "the response"),
         *slow_response_warnings(plant.lin, float(omegas.min())),
+        *_unstable(plant, request),
         *_without_effect(plant, inputs, values),
         *inaccurate(error),
     ]
@@ -266,6 +268,16 @@ def static_gains(H: Callable[[complex], np.ndarray], lowest: float) -> np.ndarra
     settled = np.abs(slow - slowest) <= STATIC * np.abs(slowest)
     vanishes = np.abs(slowest) < 0.5 * np.abs(slow)
     return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
+
+
+def _unstable(plant, request) -> Iterator[str]:
+    """Yield a warning if small motions grow without any input."""
+    if growing := call_interruptibly(growing_poles, plant, *request.grid[[0, -1]].tolist()):
+        poles = f"{growing} pole{'s' if growing > 1 else ''} with a positive real part"
+        yield (
+            f"the linearized system is unstable, with {poles} (`mecano modes`): the response is its transfer function, "
+            "but no motion settles to this sinusoid"
+        )
 
 
 def _without_effect(plant, inputs, values) -> Iterator[str]:
