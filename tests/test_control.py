@@ -1,6 +1,7 @@
 """Signals that drive loads: motions with control against independent integrations and closed forms."""
 
 import json
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +14,7 @@ from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 import mecano
-from mecano.analyses.control_stability import instability_warnings
+from mecano.analyses.control_stability import DENSE, instability_warnings
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
@@ -614,6 +615,32 @@ def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, g
         poles = np.roots([0.01, 1.0, 0.01 * p + d, p + 0.01 * i, i])
         assert f"by the factor e in {1.0 / poles.real.max():.3g} s" in found[0]
         assert ("as an oscillation of" in found[0]) == bool(i)
+
+
+@pytest.mark.parametrize("gain", [5.0, -5.0])
+def test_control_of_a_large_model_is_examined_by_its_lowest_modes(gain):
+    """A cantilever with 108 motions and a force gain v on its end: low modes grow by gain phi^2/(2 m).
+
+    With phi = 2 at the end of a uniform beam of the modal mass m = rho A L (perturbation of the first order).
+    """
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{root: {{position: [0, 0, 0], fixed: true}}, end: {{position: [2, 0, 0]}}}}
+        sections: {{bar: {{type: circle, diameter: 40 mm, E: 210 GPa, nu: 0.3, density: 7850}}}}
+        elements: {{bar: {{type: beam, nodes: [root, end], section: bar, up: [0, 0, 1], mesh: 18}}}}
+        signals: {{push: {gain}*end.velocity.z}}
+        loads: {{push: {{type: force, node: end, direction: [0, 0, 1], value: push}}}}
+        time: {{end: 100, step: 0.01}}
+        """
+    prepared = prepare(deck(text))
+    assert prepared.system.n_q > DENSE
+    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    assert len(found) == (gain > 0.0)
+    growth = gain * 4.0 / (2.0 * 7850 * np.pi / 4 * 0.04**2 * 2.0)
+    for warning in found:
+        time = float(re.search(r"by the factor e in (\S+) s", warning)[1])
+        assert time == pytest.approx(1.0 / growth, rel=0.02)
 
 
 @pytest.mark.parametrize(("denominator", "grows"), [("[-50, 1]", True), ("[50, 1]", False), ("[0, 1]", False)])

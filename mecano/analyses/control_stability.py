@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization
     from mecano.solve.time.run_state import RunState
 
-MOST = 100  # motions up to which modes are computed before a run
+DENSE = 100  # motions up to which all modes are computed before a run
+MOST, NEAREST = 5000, 20  # motions of larger models, of which the modes nearest to zero are computed; their number
 ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
@@ -24,10 +25,11 @@ GROWTH = 1e3  # growth of small motions in a run above which they are reported
 def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[str]:
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
-    Not reported are motions that grow by less than a factor of GROWTH in the run, models with more than MOST motions,
-    and motions about a moving state if no signal has a state, such as those of bodies that attract one another. Nor are
-    motions slow beside the accelerations of the start, which turn axes and reactions while such motions would grow.
-    Values of delays and of sampled signals count as constant.
+    Not reported are motions that grow by less than a factor of GROWTH in the run, those of models with more than MOST
+    motions, fast ones of models with more than DENSE motions, and motions about a moving state if no signal has a
+    state, such as those of bodies that attract one another. Nor are motions slow beside the accelerations of the start,
+    which turn axes and reactions while such motions would grow. Values of delays and of sampled signals count as
+    constant.
     """
     system, time = prepared.system, prepared.deck.values["time"]
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
@@ -89,10 +91,15 @@ def _turning(prepared: "Prepared", start: "RunState") -> float:
 
 
 def _largest_growth(lin: "Linearization") -> complex:
-    """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
+    """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows or none is found."""
+    from mecano.errors import ConvergenceError
     from mecano.solve.modal.modes import solve
 
-    return max(solve(lin, 1, "dense").values, key=lambda value: value.real, default=0j)
+    number, method = (1, "dense") if lin.n_q <= DENSE else (NEAREST, "sparse")
+    try:
+        return max(solve(lin, number, method).values, key=lambda value: value.real, default=0j)
+    except ConvergenceError:
+        return 0j
 
 
 def _without_signals(lin: "Linearization") -> "Linearization":
