@@ -19,7 +19,7 @@ from mecano.analyses.dynamic import run
 from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.elements.signals.delay import MOST, _kept
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, DeckError
 from mecano.model.system import System
 from mecano.solve.time import signals
 from mecano.solve.time.signals import _Decomposition, _scales
@@ -152,6 +152,7 @@ FILTERS = {
     "second_order": lambda t: ramp_response(t, 10.0, 0.3),
     "same_in_space": lambda t: ramp_response(t, 10.0, 0.3),
     "curve": lambda t: 1.0 + 3.0 * t * t,
+    "limit": lambda t: np.clip(2.0 * t - 0.5, -0.2, 0.7),
 }
 
 
@@ -165,12 +166,41 @@ def test_filters_of_a_ramp(filters, verify, name):
     times = np.arange(0.1, 1.0, 0.1)
     found = [at_times(m, m[f"signals/{name}/value"], times) for m in filters]
     expected = FILTERS[name](times)
-    if name in ("integral", "curve"):  # exact for a parabola, or without a rate
+    if name in ("integral", "curve", "limit"):  # exact for a parabola, or without a rate
         np.testing.assert_allclose(found[1], expected, atol=1e-10)
     else:
         verify.second_order(
             CONTROL, f"{name} of a ramp", *found, expected, 5e-7 if name == "lag" else 2e-6, "closed form"
         )
+
+
+def test_a_limit_is_reached_and_left_by_events(filters):
+    """The input 2 x - 0.5 is at -0.2 for x = t = 0.15, at 0.7 for 0.6; at the start it is below."""
+    found = [(e.name, e.t) for e in filters[1].event_records if "limit" in e.element]
+    assert found == [
+        ("lower limit left", pytest.approx(0.15, abs=1e-9)),
+        ("upper limit", pytest.approx(0.6, abs=1e-9)),
+    ]
+
+
+FALL_WITH_LIMIT = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {ball: {position: [0, 0, 0]}}
+    elements: {ball: {type: point_mass, node: ball, mass: 1}}
+    signals: {speed: {type: limit, input: ball.velocity.z, LIMITS}}
+    time: {end: 1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize(
+    ("limits", "text"),
+    [("lower: 1, upper: 1", "'lower' must be less than 'upper'"), ("unit: N", "give 'lower', 'upper' or both")],
+)
+def test_limits_that_are_refused(limits, text):
+    with pytest.raises(DeckError) as error:
+        deck(FALL_WITH_LIMIT.replace("LIMITS", limits))
+    assert text in error.value.problems[0].message
 
 
 class Servo:

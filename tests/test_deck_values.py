@@ -55,6 +55,7 @@ def test_defaults_are_filled_in():
         "time": {
             "start": 0.0,
             "end": 1.0,
+            "until": None,
             "step": 0.1,
             "method": "generalized_alpha",
             "rho_inf": 0.8,

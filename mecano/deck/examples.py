@@ -103,6 +103,7 @@ EXAMPLES = {
         "actuator: {type: transfer_function, input: knee.angle, numerator: [1], denominator: [1, 0.06, 0.01]}",
     "state_space":
         "observer: {type: state_space, inputs: [knee.angle, knee.rate], A: [[-10]], B: [[8, 2]], C: [1]}",
+    "limit": "torque: {type: limit, input: 40*rail.velocity, lower: -5, upper: 5, unit: N m}",
     "switch": "valve: {type: switch, input: rail.velocity, upper: 0.1, lower: -0.1, high: 5, low: -5}",
     "sample_and_hold": "seen: {type: sample_and_hold, input: knee.angle, period: 10 ms}",
     "delay": "late: {type: delay, input: knee.rate, time: 30 ms}",

@@ -382,6 +382,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "lookup table, characteristic, map, command profile, nonlinear gain": (
         "curve table", "a curve is a signal: a law of its input, which may be the time"
     ),
+    "saturation, saturate, clip, limiter": ("limit pid", "a signal between two limits; a pid has limits, too"),
     "filter, low pass, high pass, derivative": ("lag washout transfer_function state_space", ""),
     "integral, accumulator": ("integrator", ""),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),

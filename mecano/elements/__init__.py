@@ -73,6 +73,7 @@ MODULES = {
     "pid": "signals.pid",
     "transfer_function": "signals.state_space",
     "state_space": "signals.state_space",
+    "limit": "signals.limit",
     "switch": "signals.switch",
     "sample_and_hold": "signals.sample_and_hold",
     "delay": "signals.delay",
