@@ -131,6 +131,7 @@ RUBBISH = [
     ("deck/displays", _replace("deck/displays", b'{"point_mass": 1}'), "must be a mapping"),
     ("deck/resolved", _replace("deck/resolved", b"[]"), "it is not a mapping"),
     ("deck/remarks", _replace("deck/remarks", b"{}"), "it is not a list"),
+    ("deck/resumptions", _replace("deck/resumptions", b"{}"), "it is not a list"),
 ]
 
 

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 from types import SimpleNamespace
 
 import every_kind
+import h5py
 import numpy as np
 import pytest
 from browser import browser, dom
@@ -21,6 +22,7 @@ from mecano.post.style import COLOURS, GREY, INK, LIMIT
 from mecano.post.verdict import is_sound, verdict
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
+from mecano.results.reader import open_results
 from mecano.results.recorded import Event
 from mecano.results.writer import Writer
 
@@ -165,11 +167,24 @@ def test_a_force_residual_above_its_tolerance_is_explained(largest, explained):
     assert any("rounding error of positions" in text for text in parts) == explained
 
 
-def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ():
-    resumed = "resumed at t = 12.4 s, 2026-11-30T04:12:07+00:00"
-    for texts, sound in (([resumed], True), ([f"{resumed}; results may differ"], False), ([resumed, "slow"], False)):
-        results = SimpleNamespace(status="complete", warnings=texts)
-        assert is_sound(results) == sound and verdict(results) == ("complete" if sound else "complete with warnings")
+@pytest.mark.parametrize(("warnings", "remarks"), [
+    (["resumed at t = 2 s; results may differ"], []),
+    ([], ["resumed at t = 2 s"]),
+    (["slow"], ["resumed at t = 2 s"]),
+])  # fmt: skip
+@pytest.mark.parametrize("older", [False, True])
+def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ(tmp_path, warnings, remarks, older):
+    """Older files have remarks among the warnings."""
+    texts = {"warnings": [*warnings, *remarks]} if older else {"warnings": warnings, "resumptions": remarks}
+    with Writer.create(tmp_path / "a.h5", Layout([]), Source("mecano: 1\n", {}, **texts)) as writer:
+        writer.close("complete", "the end was reached")
+    if older:
+        with h5py.File(tmp_path / "a.h5", "r+") as file:
+            del file["deck/resumptions"]
+    with open_results(tmp_path / "a.h5") as results:
+        assert (results.warnings, results.remarks) == (warnings, remarks)
+        assert is_sound(results) == (not warnings)
+        assert verdict(results) == ("complete with warnings" if warnings else "complete")
 
 
 def test_energies_and_their_closure(report, path):

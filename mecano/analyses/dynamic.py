@@ -214,9 +214,10 @@ def _from_the_checkpoint(deck, interrupted, supervision):
     start, recorded = restore(interrupted.checkpoint["run"], integrator)
     layout = layout_of(sampler)
     interrupted.check_layout(layout)
-    note = interrupted.note(start.motion.t)
-    notes = [*interrupted.warnings, note]
-    source = source_of(deck, automatic=interrupted.automatic, model=interrupted.model, warnings=notes)
+    note, doubtful = interrupted.note(start.motion.t)
+    warnings, remarks = [*interrupted.warnings, *[note] * doubtful], [*interrupted.remarks, *[note] * (not doubtful)]
+    automatic, model = interrupted.automatic, interrupted.model
+    source = source_of(deck, automatic=automatic, model=model, warnings=warnings, resumptions=remarks)
     begin = partial(interrupted.copy_to, interruption=supervision.interruption)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(interrupted.path, layout, source, force=True, begin=begin) as writer:

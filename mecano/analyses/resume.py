@@ -40,8 +40,8 @@ class InterruptedRun:
         Values chosen where the deck says "automatic".
     model : dict
         Properties of the model, see ``model_facts``.
-    warnings : list of str
-        Warnings of the interrupted run.
+    warnings, remarks : list of str
+        Those of the interrupted run.
     """
 
     def __init__(self, path: str | os.PathLike[str], deck: "Deck"):
@@ -51,7 +51,7 @@ class InterruptedRun:
                 self._check(deck)
                 self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
                 self.automatic, self.model = self.results.automatic, self.results.model
-                self.warnings = self.results.warnings
+                self.warnings, self.remarks = self.results.warnings, self.results.remarks
         except BaseException:
             self.close()
             raise
@@ -84,15 +84,18 @@ class InterruptedRun:
         missing, other = ([of[key] for key in of if key not in rest] for of, rest in ((was, has), (has, was)))
         return ", ".join([*(f"{s} is missing or was changed" for s in missing), *(f"{s} is new" for s in other)])
 
-    def note(self, t: float) -> str:
-        """Return the note on resuming at ``t`` [s], with the differences of machine, versions and threads."""
+    def note(self, t: float) -> tuple[str, bool]:
+        """Return the note on resuming at ``t`` [s], and whether the bits of the results may differ for it.
+
+        They may on another machine, with other versions or another number of threads; the note names the differences.
+        """
         reported = f"resumed at t = {t:.9g} s, {datetime.now(UTC).isoformat(timespec='seconds')}"
         was, now = self.results.metadata, provenance()
         names = SURROUNDINGS | {key: key.replace("_", " of ") for key in now if key.startswith("version_")}
         pairs = [(name, was.get(key), now[key]) for key, name in names.items()]
         changed = ", ".join(f"{name} ({before}, now {after})" for name, before, after in pairs if before != after)
         doubt = "results may differ in their last digits from those of an uninterrupted run"
-        return f"{reported}; {doubt}, because of another {changed}" if changed else reported
+        return (f"{reported}; {doubt}, because of another {changed}", True) if changed else (reported, False)
 
     def check_layout(self, layout: Layout) -> None:
         """Raise ResultsError unless the rows of the file have the ``layout`` of the resumed run."""

@@ -15,13 +15,15 @@ def source_of(
     automatic: Mapping[str, float] | None = None,
     model: Mapping[str, Any] | None = None,
     warnings: Sequence[str] = (),
+    resumptions: Sequence[str] = (),
 ) -> Source:
     """Return the Source of a checked deck.
 
     ``automatic``: values chosen where the deck says "automatic"; ``model``: its properties (prepare.py); ``warnings``:
-    those issued at the start.
+    those issued at the start; ``resumptions``: notes of resumptions that change no bit.
     """
     return Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
         automatic=dict(automatic or {}), model=dict(model or {}), warnings=warnings,
+        resumptions=resumptions,
     )  # fmt: skip

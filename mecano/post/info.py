@@ -16,7 +16,7 @@ from mecano.post.event_groups import groups, most_notable, repeated
 from mecano.post.extremes import named, notable
 from mecano.post.info_other_files import info_other, is_other
 from mecano.post.runs import Run
-from mecano.post.verdict import verdict, warnings_and_remarks
+from mecano.post.verdict import verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 from mecano.results.lookup import similar_outputs
 from mecano.results.reader import Results, open_results
@@ -77,7 +77,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
         ("plugins", _plugins(data.get("plugins", "{}"))),
         ("automatic", _automatic(results)),
         *_set_in_motion(results),
-        *(("remark", text) for text in warnings_and_remarks(results)[1]),
+        *(("remark", text) for text in results.remarks),
         *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
@@ -107,7 +107,7 @@ def _times_text(data):
 
 def _run(results):
     lines = [str(results.path)]
-    warnings = [("warning", text) for text in warnings_and_remarks(results)[0]]
+    warnings = [("warning", text) for text in results.warnings]
     for label, text in [*facts(results), *warnings, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.end.strip().split("\n")[1:]]

@@ -17,7 +17,7 @@ from mecano.post.info import count, facts, one_line
 from mecano.post.overview import overview
 from mecano.post.pictures import requested_sheets
 from mecano.post.sheets import default_sheets
-from mecano.post.verdict import is_sound, verdict, warnings_and_remarks
+from mecano.post.verdict import is_sound, verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), s
         raise ResultsError(f"{results.path}: no saved times yet")
     requested, sheets = requested_sheets(plots, spectra, [run]), default_sheets([run])
     sections = (
-        Section("Warnings", tuple(Text(text) for text in warnings_and_remarks(results)[0])),
+        Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
         Section("Run", tuple(_provenance_table(results))), Section("Solution", tuple(_solver_history(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),

@@ -28,7 +28,7 @@ class Source:
     ``deck_text`` is the deck as written by its author; ``resolved`` the plain data after overrides, includes and
     defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path; ``automatic`` the
     values chosen where the deck says "automatic"; ``model`` the properties of the model (mass, unknowns, mobility,
-    ...); ``warnings`` the warnings issued at the start.
+    ...); ``warnings`` the warnings issued at the start; ``resumptions`` notes of resumptions that change no bit.
     """
 
     deck_text: str
@@ -40,6 +40,7 @@ class Source:
     automatic: dict[str, float] = field(default_factory=dict)
     model: dict[str, Any] = field(default_factory=dict)
     warnings: Sequence[str] = ()
+    resumptions: Sequence[str] = ()
 
     def texts(self) -> dict[str, str]:
         """Return the content of the group ``deck``: dataset name -> text."""
@@ -52,6 +53,7 @@ class Source:
             "automatic": to_json(self.automatic),
             "model": to_json(self.model),
             "remarks": to_json(list(self.warnings)),
+            "resumptions": to_json(list(self.resumptions)),
         }
 
 

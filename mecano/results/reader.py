@@ -19,7 +19,7 @@ from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, 
 from mecano.results.lookup import ByName, Extremes, Lookup, require_names
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import is_running, read_displays, start_time
-from mecano.results.reason import split_reason
+from mecano.results.reason import is_resumption, split_reason
 from mecano.results.recorded import MAGNITUDE, Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
-    "_table time events _subjects steps extremes resolved displays metadata _run_attributes automatic model warnings "
-    "checkpoint".split()
+    "_table time events _subjects steps extremes resolved displays metadata _run_attributes automatic model "
+    "remarks warnings checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
@@ -277,7 +277,15 @@ class Results(ByName):
     @cached_property
     def warnings(self) -> list[str]:
         """Warnings about the model issued before the run and, if it is complete, about its results: list of str."""
-        return [*self._file.json("deck/remarks", list), *self._ended[1]]
+        before = self._file.json("deck/remarks", list)
+        return [*(text for text in before if text not in self.remarks), *self._ended[1]]
+
+    @cached_property
+    def remarks(self) -> list[str]:
+        """Notes on the run that leave its results as they are, namely where it was resumed: list of str."""
+        if "deck/resumptions" in self._file.h5:
+            return self._file.json("deck/resumptions", list)
+        return [text for text in self._file.json("deck/remarks", list) if is_resumption(text)]
 
     @cached_property
     def checkpoint(self) -> "SavedState | None":

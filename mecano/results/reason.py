@@ -6,6 +6,13 @@ SEPARATOR = ";\n"
 ENDED = "the end was reached"  # reason of most complete runs
 UNTIL = "{} was met"  # of runs that a condition ends
 
+RESUMED, DOUBT = "resumed at", ";"  # of older files, which have resumptions among their warnings
+
+
+def is_resumption(text: str) -> bool:
+    """Return whether a warning of an older file is the note of a resumption that changes no bit."""
+    return text.startswith(RESUMED) and DOUBT not in text
+
 
 def with_warnings(reason: str, warnings: Iterable[str]) -> str:
     """Return the text to store of a complete run that ends for a ``reason``, with ``warnings`` found at its end."""
