@@ -6,7 +6,7 @@ import pytest
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.pictures import post
 from mecano.post.runs import open_runs
-from mecano.post.spectrum import amplitudes, spectrum_sheet
+from mecano.post.spectrum import amplitudes, densities, density_sheet, spectrum_sheet
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
@@ -78,3 +78,47 @@ def test_errors_of_spectra(tmp_path):
         sheet(uneven, "spring.force:spring.force")
     with pytest.raises(UnknownNameError, match="did you mean spring.force"):
         sheet(uneven, "spring.forse")
+
+
+def test_the_density_of_a_sine_integrates_to_its_mean_square():
+    """On a line of the segments, of 2/9 of 1800 values: 3^2/2 under a Hann window, exact but for rounding."""
+    time = 0.01 * np.arange(1800)
+    frequencies, sizes = densities(7.0 + 3.0 * np.sin(2 * np.pi * 5.0 * time), 0.01)
+    assert frequencies[0] == pytest.approx(0.25, rel=1e-14) and len(sizes) == 200
+    assert sizes.sum() * 0.25 == pytest.approx(4.5, rel=1e-12)
+    assert frequencies[np.argmax(sizes)] == pytest.approx(5.0, rel=1e-14)
+
+
+def test_white_noise_has_the_same_density_whatever_the_duration():
+    """2 s^2/f for the rate f of saving; the mean over all lines has the standard error sqrt(2/n) of a variance."""
+    noise = 0.3 * np.random.default_rng(1).standard_normal(2**16)
+    for count in (2**13, 2**16):
+        frequencies, sizes = densities(noise[:count], 1e-3)
+        assert sizes.mean() == pytest.approx(2.0 * 0.09 * 1e-3, rel=3.0 * np.sqrt(2.0 / count))
+        halves = [sizes[frequencies < 250.0].mean(), sizes[frequencies > 250.0].mean()]
+        assert halves[0] == pytest.approx(halves[1], rel=6.0 * np.sqrt(4.0 / count))
+
+
+def test_a_road_has_the_density_of_its_deck():
+    """ISO 8608: G(n) = 1e-6 (n/0.1)^-2 from 0.5 to 2 per metre; each line scatters, bands of lines do not."""
+    x = 0.05 * np.arange(2**15)
+    frequencies = np.linspace(0.5, 2.0, 1501)
+    phases = np.random.default_rng(2).uniform(0.0, 2 * np.pi, len(frequencies))
+    sizes = np.sqrt(2.0 * 1e-6 * (frequencies / 0.1) ** -2.0 * 1e-3)
+    height = sum(a * np.cos(2 * np.pi * f * x + p) for a, f, p in zip(sizes, frequencies, phases, strict=True))
+    found, density = densities(height, 0.05)
+    for low, high in ((0.6, 0.8), (0.9, 1.1), (1.6, 1.9)):
+        band = (found > low) & (found < high)
+        assert density[band].mean() == pytest.approx((1e-6 * (found[band] / 0.1) ** -2.0).mean(), rel=0.1)
+
+
+def test_the_picture_of_a_density_names_the_root_mean_square(tmp_path):
+    time = 0.01 * np.arange(1800)
+    path = write(tmp_path / "sine.h5", time, 2.0 * np.sin(2 * np.pi * 10.0 * time))
+    shown = density_sheet("spring.force", open_runs([path]))
+    [panel] = shown.panels
+    assert panel.note == "root mean square 1.41 N" and panel.curves[0].y.unit == "N2/Hz" and panel.decades
+    [picture] = post([path], densities=["spring.force"])
+    assert picture.name == "sine_density_spring.force.png"
+    with pytest.raises(UsageError, match="--density 'spring.force:spring.force' is over the frequency"):
+        density_sheet("spring.force:spring.force", open_runs([path]))

@@ -37,6 +37,7 @@ class Pages(NamedTuple):
     help="Plot outputs over another one, or over time; of a study, columns of its table. May be repeated.",
 )
 @click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
+@click.option("--density", "densities", multiple=True, metavar="Y[,Y2]", help="Plot power spectral densities.")
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
 @click.option(
     "-o", "--output", type=click.Path(),
@@ -62,6 +63,7 @@ def post(
     results: tuple[str, ...],
     plots: tuple[str, ...],
     spectra: tuple[str, ...],
+    densities: tuple[str, ...],
     title: str | None,
     pictures: Pictures,
     pages: Pages,
@@ -69,7 +71,7 @@ def post(
 ) -> None:
     """Draw pictures of results; several files are drawn into the same pictures.
 
-    Without --plot, --spectrum, --at: the standard plots for this model, from the overview to the step size.
+    Without --plot, --spectrum, --density, --at: the standard plots for this model, from the overview to the step size.
     `mecano info RESULTS --names` lists the names of outputs; vectors have components: --plot axle.position.z,
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
@@ -83,15 +85,16 @@ def post(
     _refuse_names(results, plots)
     if any(pages):
         _refuse_strays(results, pictures)
-    if pages.page and spectra and not pages.report:
-        raise click.UsageError("--spectrum: the page of --animate has plots over time only")
+    for option, given in (("--spectrum", spectra), ("--density", densities)):
+        if pages.page and given and not pages.report:
+            raise click.UsageError(f"{option}: the page of --animate has plots over time only")
     with _reading(*results):
         if any(pages):
-            _write_pages(results[0], plots, spectra, title, pages, force)
+            _write_pages(results[0], plots, (spectra, densities), title, pages, force)
         else:
             from mecano.post.pictures import post as draw
 
-            for path in draw(results, plots, spectra, title=title, force=force, **pictures._asdict()):
+            for path in draw(results, plots, spectra, densities, title=title, force=force, **pictures._asdict()):
                 click.echo(path)
 
 
@@ -127,7 +130,7 @@ def _refuse_names(results, plots):
             )
 
 
-def _write_pages(results, plots, spectra, title, pages, force):
+def _write_pages(results, plots, transforms, title, pages, force):
     """Write a page of the motion, a report, or both, of one results file."""
     from mecano.results.whole_file import refuse_foreign
 
@@ -140,7 +143,7 @@ def _write_pages(results, plots, spectra, title, pages, force):
     if pages.report:
         from mecano.post.report_page import write_report
 
-        click.echo(write_report(results, pages.report, title, plots, spectra))
+        click.echo(write_report(results, pages.report, title, plots, *transforms))
 
 
 def _refuse_strays(results, pictures):

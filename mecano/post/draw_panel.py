@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
+from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator, NullFormatter
 
 from mecano.post.draw_events import EventLegend, draw_events
 from mecano.post.style import (
@@ -124,6 +124,10 @@ def _scales(ax, panel, x_factor, y_factor):
         ax.set_ylim(*constant)
     elif panel.stepped and np.array_equal(y, np.round(y)):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
+    if panel.decades:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_formatter(PlainPowers())
+        ax.xaxis.set_minor_formatter(NullFormatter())
     if panel.over_time:
         times = _all(panel, "x") / x_factor
         if np.ptp(times) > 0.0:

@@ -19,7 +19,7 @@ from mecano.post.overview import overview
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets
-from mecano.post.spectrum import spectrum_sheet
+from mecano.post.spectrum import density_sheet, spectrum_sheet
 from mecano.post.study_plots import study_figure
 from mecano.post.study_requests import requested_figures
 from mecano.results import margins_file, modes_file, response_file, study_file, sweep_file
@@ -48,6 +48,7 @@ def post(
     paths: Sequence[str | os.PathLike[str]],
     plots: Sequence[str] = (),
     spectra: Sequence[str] = (),
+    densities: Sequence[str] = (),
     *,
     output: str | os.PathLike[str] | None = None,
     kind: str = "png",
@@ -60,8 +61,9 @@ def post(
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, responses, margins, sweeps and studies are drawn one by one; ``spectra``, ``columns``, ``title`` and
-    ``at`` are for results of runs only, ``plots`` also for outputs and varied values of studies.
+    Files of modes, responses, margins, sweeps and studies are drawn one by one; ``spectra``, ``densities``,
+    ``columns``, ``title`` and ``at`` are for results of runs only, ``plots`` also for outputs and varied values of
+    studies.
 
     Parameters
     ----------
@@ -70,6 +72,8 @@ def post(
         "Y[,Y2]:X"; without any plot, spectrum or times, the standard plots for the model.
     spectra : sequence of str
         "Y[,Y2]": amplitudes over the frequency.
+    densities : sequence of str
+        "Y[,Y2]": power spectral densities.
     output : str or Path
         A folder (existing or ending with /), or the prefix of the names of the pictures or, for one plot, its whole
         name ending with .png or .svg; by default the results file without its extension.
@@ -97,9 +101,8 @@ def post(
         A file cannot be read, or a picture cannot be written.
     """
     formats = {path: format_of(path) for path in paths}
-    _refuse_together(
-        formats, plots, {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title, "--measured": measured}
-    )
+    of_runs = {"--spectrum": spectra, "--density": densities, "--at": at, "--csv": columns, "--title": title}
+    _refuse_together(formats, plots, of_runs | {"--measured": measured})
     if below is not None and {*formats.values()} != {sweep_file.FORMAT}:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
     if ALONE.keys() & formats.values():
@@ -108,17 +111,17 @@ def post(
         )
         return
     with opened_runs(paths) as runs:
-        pictures, times = _pictures(runs, plots, spectra, at, measured)
+        points = read_measured(measured, runs[0]) if measured else None
+        pictures, times = _pictures(runs, plots, spectra, densities, at, points)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
 
 
-def _pictures(runs, plots, spectra, at, measured):
+def _pictures(runs, plots, spectra, densities, at, points):
     """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
-    points = read_measured(measured, runs[0]) if measured else None
     plots = plots or (points.plots() if points else ())
-    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs)
+    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs, densities)
     if points:
         requested = with_measured(requested, points)
     return [(sheet, sheet_figure) for sheet in requested] if requested or times else _default_pictures(runs), times
@@ -141,10 +144,16 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
             yield table
 
 
-def requested_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run]) -> "list[Sheet]":
-    """Return the Sheets of ``plots`` "Y[,Y2]:X" and ``spectra`` "Y[,Y2]". Raises UsageError, UnknownNameError."""
+def requested_sheets(
+    plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run], densities: Iterable[str] = ()
+) -> "list[Sheet]":
+    """Return the Sheets of ``plots`` "Y[,Y2]:X", ``spectra`` and ``densities`` "Y[,Y2]".
+
+    Raises UsageError, UnknownNameError.
+    """
     plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
-    return plotted + [spectrum_sheet(text, runs) for text in spectra]
+    transformed = [spectrum_sheet(text, runs) for text in spectra] + [density_sheet(text, runs) for text in densities]
+    return plotted + transformed
 
 
 def _refuse_together(formats, plots, of_runs):

@@ -94,15 +94,21 @@ class Report:
     sections: tuple[Section, ...]
 
 
-def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), spectra: Sequence[str] = ()) -> Report:
-    """Return the Report of a run; ``plots`` and ``spectra``, as for ``mecano post``, are its first pictures.
+def report_of(
+    run: "Run",
+    title: str | None = None,
+    plots: Sequence[str] = (),
+    spectra: Sequence[str] = (),
+    densities: Sequence[str] = (),
+) -> Report:
+    """Return the Report of a run; ``plots``, ``spectra``, ``densities``, as for ``mecano post``, come first.
 
     Raises ResultsError if there are no saved times, UsageError and UnknownNameError for invalid plots.
     """
     results = run.results
     if not len(results.time):
         raise ResultsError(f"{results.path}: no saved times yet")
-    requested, sheets = requested_sheets(plots, spectra, [run]), default_sheets([run])
+    requested, sheets = requested_sheets(plots, spectra, [run], densities), default_sheets([run])
     sections = (
         Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),

@@ -28,10 +28,11 @@ def write_report(
     title: str | None = None,
     plots: Sequence[str] = (),
     spectra: Sequence[str] = (),
+    densities: Sequence[str] = (),
 ) -> Path:
     """Write the report on a results file, or on the table of a study, to ``page``, and return its Path.
 
-    ``plots`` and ``spectra``, as for ``mecano post``, are shown before the standard plots.
+    ``plots``, ``spectra`` and ``densities``, as for ``mecano post``, are shown before the standard plots.
 
     Raises
     ------
@@ -43,20 +44,20 @@ def write_report(
     page = Path(page)
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--report {page}: the name of a page ends with .html")
-    text = page_of(_report(path, title, plots, spectra))
+    text = page_of(_report(path, title, plots, spectra, densities))
     make_folder(page.parent)
     with atomic_file(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
 
 
-def _report(path, title, plots, spectra):
+def _report(path, title, plots, spectra, densities):
     if format_of(path) == study_file.FORMAT:
-        if plots or spectra:
-            raise UsageError("--plot and --spectrum are of runs, not of the table of a study")
+        if plots or spectra or densities:
+            raise UsageError("--plot, --spectrum and --density are of runs, not of the table of a study")
         return study_report(path, title)
     with opened_runs([path]) as [run]:
-        return report_of(run, title, plots, spectra)
+        return report_of(run, title, plots, spectra, densities)
 
 
 def page_of(report: Report) -> str:

@@ -52,6 +52,8 @@ class Panel:
         Curves with a common unit of y and a common unit of x.
     logarithmic : bool
         Whether the vertical axis is logarithmic.
+    decades : bool
+        Whether the horizontal axis is logarithmic.
     stepped : bool
         Whether a value holds for the whole step that ends at its time.
     peak : (value, time [s])
@@ -66,6 +68,7 @@ class Panel:
     stepped: bool = False
     peak: Peak = ()
     note: str = ""
+    decades: bool = False
 
     @property
     def over_time(self) -> bool:

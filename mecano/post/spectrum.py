@@ -1,7 +1,11 @@
-"""Amplitude spectra of quantities.
+"""Amplitude spectra and power spectral densities of quantities.
 
-One-sided amplitudes of the values minus their mean, with a Hann window, corrected by the mean of the window: a sine of
-amplitude A gives a peak of height A if its frequency is a multiple of 1/duration; in between, up to 15 % less.
+Amplitudes are one-sided, of the values minus their mean, with a Hann window, corrected by the mean of the window: a
+sine of amplitude A gives a peak of height A if its frequency is a multiple of 1/duration; in between, up to 15 % less.
+
+Densities are one-sided, too, and averaged over SEGMENTS segments that overlap by half (Welch, IEEE Trans. Audio
+Electroacoust. 15 (1967) 70-73): the height of a random quantity does not depend on the duration, and the integral over
+the frequency is the variance.
 """
 
 from collections.abc import Sequence
@@ -20,37 +24,66 @@ if TYPE_CHECKING:
     from mecano.post.runs import Run
 
 FEWEST = 8  # least number of values
+SEGMENTS = 8  # of a density, which has a standard error of about 1/sqrt(SEGMENTS)
 UNEVEN = 1e-6  # of the interval: larger differences are not rounding errors
 FLOOR = 1e-8  # of the largest amplitude: smaller ones are rounding errors and not shown
 
 
 def spectrum_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
-    """Return the Sheet of the spectra of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError."""
+    """Return the Sheet of the amplitudes of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError."""
+    request, curves = _curves("spectrum", text, runs, amplitudes, FLOOR, lambda unit: unit)
+    panels = [Panel(curve_label(own), own, logarithmic=True, note=_peak(own)) for own in _by_unit(curves)]
+    heading = f"Amplitudes over the frequency: Hann window, mean removed, a line every {_lines(curves)}"
+    return Sheet(f"spectrum_{request.name}", heading, tuple(panels), run_labels=_labels(runs))
+
+
+def density_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
+    """Return the Sheet of the power spectral densities of "Y[,Y2]", as ``spectrum_sheet``."""
+    request, curves = _curves("density", text, runs, densities, FLOOR**2, _squared_per_hertz)
+    panels = [
+        Panel(curve_label(own), own, logarithmic=True, note=_root_mean_square(own), decades=True)
+        for own in _by_unit(curves)
+    ]
+    heading = (
+        f"Power spectral densities: {SEGMENTS} segments, Hann window, means removed, a line every {_lines(curves)}"
+    )
+    return Sheet(f"density_{request.name}", heading, tuple(panels), run_labels=_labels(runs))
+
+
+def _curves(option, text, runs, transform, floor, unit_of):
+    """Return the Request of a text, and the Curves of the transforms of its quantities, above the ``floor``."""
     request = Request.parse(text)
     if request.x != "time":
-        raise UsageError(f"--spectrum {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")
-    curves = [
-        _spectrum(quantity, run, number)
-        for number, run in enumerate(runs)
-        for name in request.ys
-        for quantity in found(run, name)
-    ]
-    panels = []
-    for unit in dict.fromkeys(curve.y.unit for curve in curves):
-        own = tuple(curve for curve in curves if curve.y.unit == unit)
-        panels.append(Panel(curve_label(own), own, logarithmic=True, note=_peak(own)))
-    lines = ", ".join(dict.fromkeys(f"{curve.x.values[0]:.4g} Hz" for curve in curves))
-    heading = f"Amplitudes over the frequency: Hann window, mean removed, a line every {lines}"
-    labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
-    return Sheet(f"spectrum_{request.name}", heading, tuple(panels), run_labels=labels)
+        raise UsageError(f"--{option} {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")
+    curves = []
+    for number, run in enumerate(runs):
+        for quantity in (quantity for name in request.ys for quantity in found(run, name)):
+            interval, values = _evenly_sampled(quantity, run)
+            frequencies, sizes = transform(values, interval)
+            x = Quantity("frequency", "Hz", "frequency", f"{quantity.path} {number}", frequencies, frequencies)
+            shown = np.where(sizes > floor * sizes.max(initial=0.0), sizes, np.nan)
+            y = replace(quantity, unit=unit_of(quantity.unit), clock=x.clock, time=frequencies, values=shown)
+            curves.append(Curve(x, y, number, quantity.subject))
+    return request, curves
 
 
-def _spectrum(quantity, run, number):
-    interval, values = _evenly_sampled(quantity, run)
-    frequencies, sizes = amplitudes(values, interval)
-    x = Quantity("frequency", "Hz", "frequency", f"{quantity.path} {number}", frequencies, frequencies)
-    shown = np.where(sizes > FLOOR * sizes.max(initial=0.0), sizes, np.nan)
-    return Curve(x, replace(quantity, clock=x.clock, time=frequencies, values=shown), number, quantity.subject)
+def _by_unit(curves):
+    units = dict.fromkeys(curve.y.unit for curve in curves)
+    return [tuple(curve for curve in curves if curve.y.unit == unit) for unit in units]
+
+
+def _lines(curves):
+    return ", ".join(dict.fromkeys(f"{curve.x.values[0]:.4g} Hz" for curve in curves))
+
+
+def _labels(runs):
+    return tuple(run.label for run in runs) if len(runs) > 1 else ()
+
+
+def _squared_per_hertz(unit):
+    if unit in ("", "-"):
+        return "1/Hz"
+    return f"({unit})2/Hz" if set(unit) & set("/ 0123456789") else f"{unit}2/Hz"
 
 
 def amplitudes(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
@@ -61,6 +94,18 @@ def amplitudes(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndar
     if count % 2 == 0:
         sizes[-1] *= 0.5  # the Nyquist frequency has one line, not one of each sign
     return np.fft.rfftfreq(count, interval)[1:], sizes[1:]
+
+
+def densities(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies [Hz] and densities [1/Hz] of values (n,) every ``interval`` [s], without 0 Hz."""
+    length = max(FEWEST, 2 * len(values) // (SEGMENTS + 1))
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(length) / length)
+    starts = range(0, len(values) - length + 1, length // 2)
+    parts = np.stack([values[i : i + length] - values[i : i + length].mean() for i in starts])
+    sizes = 2.0 * interval * (np.abs(np.fft.rfft(parts * window)) ** 2).mean(axis=0) / (window @ window)
+    if length % 2 == 0:
+        sizes[-1] *= 0.5  # the Nyquist frequency has one line, not one of each sign
+    return np.fft.rfftfreq(length, interval)[1:], sizes[1:]
 
 
 def _evenly_sampled(quantity, run):
@@ -81,6 +126,16 @@ def _evenly_sampled(quantity, run):
     if not np.all(np.isfinite(values)):
         raise UsageError(f"{where} is not finite everywhere")
     return float(gaps.mean()), values
+
+
+def _root_mean_square(curves):
+    """Return a text on the root mean square of a single curve about its mean, from its density, or ""."""
+    if len(curves) > 1 or not np.any(np.isfinite(curves[0].y.values)):
+        return ""
+    [curve] = curves
+    mean_square = np.nansum(curve.y.values) * curve.x.values[0]
+    unit = curve.y.unit.removesuffix("2/Hz").strip("()") if curve.y.unit != "1/Hz" else ""
+    return f"root mean square {np.sqrt(mean_square):.3g} {unit}".rstrip()
 
 
 def _peak(curves):
