@@ -2,11 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from instances import ALL_KINDS, KINDS
 
 from mecano.analyses import kind_tests
+from mecano.analyses.invariance_tests import force_on_nodes
+from mecano.analyses.kind_samples import GRAVITY, Motion, expand, samples, seed_of
+from mecano.schema import GROUND, WHEEL
 
 every_kind = pytest.mark.parametrize("kind", ALL_KINDS.values(), ids=ALL_KINDS)
 deck_kind = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
@@ -21,6 +25,29 @@ def test_every_kind(kind, check):
 @deck_kind
 def test_forces_turn_with_the_whole_model(kind):
     kind_tests.check_invariance(kind)
+
+
+def moves_in_axes_of_its_own(kind):
+    """True if a kind knows a ground or a stream, and with it a velocity."""
+    return any(field.type in (GROUND, WHEEL) or field.name == "speed" for field in kind.fields)
+
+
+@deck_kind
+def test_forces_are_the_same_in_axes_that_move_and_fall(kind):
+    """Galileo: a uniform velocity of the whole model changes no force; nor does an acceleration that gravity shares."""
+    velocity, acceleration = np.array([3.0, -2.0, 1.0]), np.array([0.7, 0.9, -1.3])
+    for sample in samples(kind):
+        twins = expand(kind, sample.values, sample.nodes, sample.phase, GRAVITY + acceleration, seed_of("unused"))
+        for twin, original in zip(twins, sample.instances, strict=True):
+            twin.scalars, twin.multipliers = original.scalars, original.multipliers
+        here, x = sample.motion, sample.motion.x.copy()
+        x[:, 2] += acceleration
+        if not moves_in_axes_of_its_own(kind):
+            x[:, 1] += velocity
+        there = Motion(here.t, x, here.R, here.turn)
+        for one, other in zip(force_on_nodes(twins, there), force_on_nodes(sample.instances, here), strict=True):
+            bound = 1e-10 * (1.0 + np.abs(other).max(initial=0.0))
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=bound, err_msg=sample.in_phase)
 
 
 def kinds_in(node):

@@ -234,6 +234,22 @@ def test_rigid_motions_have_the_energy_of_the_full_model(tmp_path):
     np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
 
 
+def test_a_bar_that_turns_as_it_flies_is_not_bent_by_its_speed(tmp_path):
+    """At 70 m/s and 2 rad/s it deforms as in place, where only its centrifugal forces stretch it."""
+    reduce_part(deck(BAR), tmp_path / "part.npz", nodes=["root", "tip"], number=3)
+    text = BAR.split("sections:")[0] + "elements: {s: {type: superelement, nodes: [root, tip], file: part.npz}}\n"
+    turning = "angular_velocity: [0, 2, 1], about: [0.65, 0.25, 0.15]"
+    motion = f"initial: {{{{velocities: [{{{{nodes: all, velocity: {{}}, {turning}}}}}]}}}}\n"
+    runs = []
+    for velocity in ([0, 0, 0], [70, -20, 10]):
+        whole = text + motion.format(velocity) + "time: {end: 0.02, step: 2.0e-4}\n"
+        runs.append(RecordedRun(deck_of_bytes(whole.encode(), str(tmp_path / "bar.yaml"))))
+    still, flying = ([run[f"elements/s/{name}_2"] for name in ("displacement", "rotation")] for run in runs)
+    assert np.abs(still[0]).max() > 1e-9
+    for one, other in zip(flying, still, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-12)
+
+
 def _with(small, motion, folder):
 
     return deck_of_bytes((small.text + motion).encode(), str(folder / "small.yaml"))

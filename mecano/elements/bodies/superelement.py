@@ -82,6 +82,8 @@ def observe(p, at, F, y, e):
     work, turns, total = allocate_zeros((ROWS, n)), allocate_zeros((p.n_nodes, 2, 3, 3)), allocate_zeros((n,))
     s = state_of(p, at, work, turns)
     y[0], kinetic, dissipated = _energies(p, at.laws, work)
+    about = s.centre_of_mass
+    kinetic += 0.5 * p.mass * dot(about.velocity, about.velocity)
     y[1] = kinetic
     put(y, 2, s.centre)
     w = quaternion(s.R)
@@ -99,7 +101,7 @@ def observe(p, at, F, y, e):
         y[12 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
         y[13 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
     e[0] = kinetic
-    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load, s.moment)
+    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load + about.acceleration, s.moment)
     e[2] = dissipated
     free(work)
     free(turns)
@@ -108,7 +110,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def _energies(p, laws, work):
-    """Return elastic energy, kinetic energy, dissipated power."""
+    """Return elastic energy, kinetic energy about the centre of mass, dissipated power."""
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
     elastic, kinetic, dissipated = 0.0, 0.0, 0.0
@@ -135,7 +137,7 @@ def prepare(d, nodes, context):
     for place, (_, R) in zip(X, nodes, strict=True):
         context.laws.append(place)
         context.laws.append(R.T @ nodes[0][1])
-    for block in (loads, K, M, _damping(d, K, M)):
+    for block in (loads, K, M - loads @ loads.T / mass, _damping(d, K, M)):
         context.laws.append(block)
     return {
         "n_nodes": len(X), "n_modes": len(K) - 6 * len(X), "table": table, "damped": int(_is_damped(d)),

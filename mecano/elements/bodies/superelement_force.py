@@ -1,13 +1,19 @@
 r"""Forces of a superelement: elastic, damping, weight and inertia, from the motion relative to its frame.
 
 With the elastic coordinates u, the velocities :math:`v = (R^T \dot x_i, R^T \omega_i, \dot\eta)` of the boundary nodes
-in the axes of the frame, and :math:`\gamma = R^T g`,
+in the axes of the frame, and the centre of mass :math:`x_c = \bar x + R (S_0 + B^T u)/m`,
 
-.. math::  V = \tfrac12 u^T K u - \gamma \cdot (S_0 + B^T u) - m\, g \cdot \bar x , \qquad T = \tfrac12 v^T M v
+.. math::
+    V = \tfrac12 u^T K u - m\, g \cdot x_c , \qquad
+    T = \tfrac12 m |\dot x_c|^2 + \tfrac12 v^T \tilde M v , \qquad \tilde M = M - \tfrac1m B B^T
 
-where B = M r for the three rigid translations r, and :math:`\hat S_0` follows from M and the rigid rotations. The
-forces are those of Lagrange's equations for T and V, with no terms neglected: with :math:`p = K u + C \dot u - B
-\gamma`, :math:`P = M v`, :math:`h = M \dot v` and the angular velocity Omega of the frame
+where B = M r for the three rigid translations r, and :math:`\hat S_0` follows from M and the rigid rotations. For a
+uniform velocity :math:`\tilde M v` vanishes, so that it causes no forces. (M in place of both parts of T would bend a
+part that turns, in proportion to the speed at which all of it moves: its momentum would not be the rate of anything.)
+The inertia of the centre of mass acts like a weight in the field :math:`-\ddot x_c`. The forces are those of Lagrange's
+equations for T and V, with no terms neglected: with :math:`\gamma = R^T (g - \ddot x_c)` (superelement_centre.py),
+:math:`p = K u + C \dot u - B \gamma`, :math:`P = \tilde M v`, :math:`h = \tilde M \dot v` and the angular velocity
+Omega of the frame
 
 .. math::
     \mu  &= -\sum_i (y_i \times p_{x,i} + E_i T_i^{-T} p_{r,i}) - (S_0 + B^T u) \times \gamma
@@ -22,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.elements.bodies.superelement_centre import centre_of, first_moment
 from mecano.elements.bodies.superelement_frame import (
     FORCE,
     INERTIA,
@@ -38,7 +45,7 @@ from mecano.elements.bodies.superelement_frame import (
     trace_minus_transpose,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
+from mecano.maths.vector import add_vec, cross, mat, vec
 
 
 class State(NamedTuple):
@@ -48,10 +55,11 @@ class State(NamedTuple):
     centre: tuple  # mean of the boundary nodes, inertial [m]
     D_inverse: tuple
     spin: tuple  # Omega
-    load: tuple  # gamma
+    load: tuple  # gamma, of weight and of the inertia of the centre of mass
     moment: tuple  # S_0 + B^T u
     mean: tuple  # force on the mean of the nodes
     nu: tuple
+    centre_of_mass: tuple  # its Centre
     work: np.ndarray  # rows of superelement_frame.py
     turns: np.ndarray  # (n_nodes, 2, 3, 3): E_i, T_i^-1
 
@@ -60,12 +68,14 @@ class State(NamedTuple):
 def state_of(p, at, work, turns):
     """Return the State; write ``work`` up to the row INERTIA, and ``turns``."""
     R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
-    spin, load = frame_spin(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
+    spin = frame_spin(p, at.laws, at.v, R, D_inverse, turns)
     put_rates(p, at, R, spin, work, turns)
-    put_products(p, at.laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
     moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    about = centre_of(p, at.laws, spin, moment, D_inverse, work, turns)
+    load = R.T @ vec(p.gravity, 0) - about.acceleration
+    put_products(p, at.laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
     nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
-    return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, work, turns)
+    return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, about, work, turns)
 
 
 @kernel
@@ -77,15 +87,6 @@ def add_product(laws, start, x, out):
         if s != 0.0:
             for i in range(n):
                 out[i] += s * laws[row + i]
-
-
-@kernel
-def first_moment(p, laws, u):
-    """Return B^T u, (3,)."""
-    total, start = ZERO, p.table + 12 * p.n_nodes
-    for i in range(u.shape[0]):
-        total = total + u[i] * vec(laws, start + 3 * i)
-    return total
 
 
 @kernel

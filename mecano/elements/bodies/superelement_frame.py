@@ -23,10 +23,11 @@ from mecano.maths.so3 import log
 from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, put_matrix, vec
 
 # Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities and accelerations in the axes of the
-# frame, the rates of these velocities; forces on the coordinates, momenta, inertia forces; then variations.
-U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA = range(8)
-DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA = range(8, 15)
-ROWS = 15
+# frame, the rates of these velocities; forces on the coordinates, momenta, inertia forces; second rates of the
+# coordinates; then variations.
+U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA, U_SECOND = range(9)
+DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA, DU_SECOND = range(9, 17)
+ROWS = 17
 
 
 @kernel

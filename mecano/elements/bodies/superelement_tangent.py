@@ -8,8 +8,14 @@ of a superelement with 40 modes 2.4 times as much.
 
 from typing import NamedTuple
 
-from mecano.elements.bodies.superelement_force import (
+from mecano.elements.bodies.superelement_centre import (
+    PSI,
+    acceleration_by_acceleration,
+    acceleration_by_amplitude,
+    acceleration_by_motion,
     first_moment,
+)  # fmt: skip
+from mecano.elements.bodies.superelement_force import (
     inertia_moment,
     material_moment,
     mean_force,
@@ -41,7 +47,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
 from mecano.maths.vector import NO_MATRIX, ZERO, add_vec, cross, cross_columns, dot, mat, outer, put, vec
 
-PSI, COLUMN = ROWS, ROWS + 1
+COLUMN = PSI + 1
 TANGENT_ROWS = ROWS + 2
 
 
@@ -67,9 +73,16 @@ def add_tangents(p, laws, s, K, C, M):
             if column >= nodes:
                 change = UNCHANGED
                 vary_amplitude(order, column, work)
+                moment_change = first_moment(p, laws, work[DU])
+                acceleration_change = acceleration_by_amplitude(p, laws, s, order, column)
             else:
                 change = vary_node(p, laws, s, order, column)
-            put_column(p, laws, s, change)
+                moment_change = first_moment(p, laws, work[DU])
+                if order == 2:
+                    acceleration_change = acceleration_by_acceleration(p, laws, s)
+                else:
+                    acceleration_change = acceleration_by_motion(p, laws, s, change, moment_change)
+            put_column(p, laws, s, change, moment_change, acceleration_change)
             for i in range(n):
                 if order == 0:
                     K[i, column] += work[COLUMN, i]
@@ -191,12 +204,14 @@ def vary_rates(p, laws, s, spin_change):
 
 
 @kernel
-def put_column(p, laws, s, change):
-    """Write the column: the change of all forces, from those of coordinates, velocities and their rates."""
+def put_column(p, laws, s, change, moment_change, acceleration_change):
+    """Write the column: the change of all forces, from those of coordinates, velocities and their rates.
+
+    ``moment_change``, ``acceleration_change``: of m s and of the acceleration of the centre of mass.
+    """
     work, n = s.work, p.n_nodes
-    load_change = cross(s.load, change.rho)
+    load_change = cross(s.load + s.centre_of_mass.acceleration, change.rho) - acceleration_change
     put_products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
-    moment_change = first_moment(p, laws, work[DU])
     total = cross(moment_change, s.load) + cross(s.moment, load_change)
     for i in range(n):
         total = total + frame_moment_change(p, laws, work, s.turns, i)
