@@ -175,6 +175,8 @@ def pair_moment(p, at):
     M_1 = held(p, at, 1, tilt_1, rate_1)
     M_1 = select(p.row[1] >= 0.0, -M_1, M_1)
     M_2, M_3 = held(p, at, 0, tilt_2, rate_2), held(p, at, 2, angle, rate)
+    if p.row[0] >= 0.0 and p.row[1] >= 0.0:  # the axes stay aligned
+        return Vec3(M_1, M_2, M_3)
     A = relative_rotation(at)
     axis = A @ xi[2]
     M = M_1 * cross(mu[1], axis) + M_2 * cross(axis, mu[0]) - M_3 * twist_gradient(A, mu[2], xi[2])[0]
