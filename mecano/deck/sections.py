@@ -228,7 +228,7 @@ NEWTON_FIELDS = (
 )
 TIME_FIELDS = (
     Field("start", NUMBER, "s", "time at the start", 0.0),
-    Field("end", NUMBER, "s", "time at the end, at the latest"),
+    Field("end", NUMBER, "s", "time at the end"),
     Field(
         "until", CONDITION, "-",
         "condition of signals, outputs and motions at which the run ends before that, as in hinge.angle > 1.5", None,
