@@ -21,6 +21,7 @@ from click.testing import CliRunner
 from process import COMMAND, mecano_process, settings
 from time_runs import INPUTS
 
+import mecano
 from mecano.analyses import warmup as warming
 from mecano.analyses.warmup import all_kinds, warmup
 from mecano.cli import commands
@@ -428,6 +429,29 @@ def test_warnings_of_complete_cases_are_counted_and_reported(folder):
     [warnings] = [section.parts for section in report.sections if section.heading == "Warnings"]
     assert warnings[0].rows == [(table.warnings[1][0], "1", "2")] and not report.sound
     assert "only the start and the end are saved" in table.warnings[1][0]
+
+
+def test_a_resumed_case_is_no_warning(folder):
+    """Its bits are those of a run that was not interrupted."""
+    (folder / "study.yaml").write_text(HEAD + "list: [{parameters.speed: 10}]\n")
+    assert mecano_process("sweep", "study.yaml")[0] == 0
+    with mecano.Simulation("deck.yaml", "study_runs/0001.h5", force=True) as simulation:
+        simulation.advance(0.1)
+    resumed = mecano.run("deck.yaml", "study_runs/0001.h5", resume=True)
+    assert "resumed at" in resumed.remarks[0]
+    code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
+    assert code == 0 and out.startswith("1 cases: 1 complete\n")
+
+
+def test_the_largest_value_with_and_without_its_sign(folder):
+    results = mecano.run("deck.yaml", "deck.h5")
+    taken = [Output("speed", "ball.velocity.z", None, take) for take in ("largest", "largest_magnitude", "max")]
+    assert [one.value(results) for one in taken] == [
+        (pytest.approx(-9.81 * 0.2, rel=1e-9), "m/s"),
+        (pytest.approx(9.81 * 0.2, rel=1e-9), "m/s"),
+        (0.0, "m/s"),
+    ]
+    assert taken[0].doc == "largest of ball.velocity.z, with its sign"
 
 
 LIMITED = """\

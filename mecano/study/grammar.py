@@ -15,7 +15,7 @@ from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, Values, choice, li
 VERSION = 1
 NAME = "case"  # key that names the case of a row
 PATH = "a path in the deck, as in --set: 'time.end'"
-OF_SERIES = ("max", "min", "largest", "time_of_max", "time_of_min", "final", "mean")
+OF_SERIES = ("max", "min", "largest", "largest_magnitude", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count", "impulse", "energy_lost")
 
 

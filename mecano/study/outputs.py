@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mecano.results.study_file import Bounds
 
 EVENT_UNITS = {"first": "s", "last": "s", "count": "-", "impulse": "N s or N m s", "energy_lost": "J"}
+SIGNS = {"largest": True, "largest_magnitude": False}  # whether the value of the largest magnitude keeps its sign
 ONLY_IN_PLOTS = {
     "compression_force": ("force", "use {}, whose minimum (take: min) is the largest compression"),
     "drag_force": ("longitudinal_force", "use {}, whose minimum (take: min) is the largest drag"),
@@ -57,7 +58,8 @@ class Output:
     @property
     def doc(self) -> str:
         """Description of the output."""
-        return f"{self.take.replace('_', ' ')} of {self.of or self.event}"
+        signed = ", with its sign" if SIGNS.get(self.take) else ""
+        return f"{self.take.replace('_', ' ')} of {self.of or self.event}{signed}"
 
     def value(self, results: "Results") -> tuple[float, str]:
         """Return the number and its unit from open Results; nan without such an event. Raises UnknownNameError."""
@@ -90,9 +92,10 @@ class Output:
             span = trace.time[-1] - trace.time[0]
             return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
         extreme = results.extremes.get(trace.path)
-        if self.take == "largest":
+        if self.take in SIGNS:
             ends = np.array((extreme.maximum, extreme.minimum)) if extreme else values
-            return ends[np.argmax(np.abs(ends))], trace.unit
+            largest = ends[np.argmax(np.abs(ends))]
+            return largest if SIGNS[self.take] else abs(largest), trace.unit
         return self._extreme(extreme, trace, values, results.axis.unit)
 
     def _extreme(self, extreme, trace, values, axis_unit):
