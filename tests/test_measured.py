@@ -85,6 +85,13 @@ def test_a_file_that_cannot_be_read(turned, tmp_path):
         read_measured(tmp_path / "absent.csv", run)
 
 
+def test_a_single_signal_has_no_legend(turned):
+    """Its name is the label of the axis."""
+    with opened_runs([turned]) as [run]:
+        [sheet] = requested_sheets(["turned"], (), [run])
+        assert not CurveStyles(sheet).legend(sheet.panels[0])
+
+
 def test_without_plots_every_column_has_a_picture(turned, tmp_path):
     path = table(tmp_path, "time, hinge.angle, hinge.rate\n0, 0, 2\n1, 2, 2\n")
     drawn = list(post([turned], measured=path, output=f"{tmp_path}/"))

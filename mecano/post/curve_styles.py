@@ -156,7 +156,7 @@ class CurveStyles:
 
 def _text(equal, several, named):
     """Return the entry of equal curves: elements, if there are ``several``, and quantities, if they are ``named``."""
-    if not several and any(one.y.of_signal for one in equal):
+    if named and not several and any(one.y.of_signal for one in equal):
         return joined(one.y.owned for one in equal)
     quantities = {one.y.what for one in equal}
     if several and named and len(quantities) == 1:
