@@ -768,3 +768,37 @@ def test_rounding_along_free_motions_moves_nothing_away():
     set_initial_state(prepared)
     first = prepared.system.numbering.x[[node.name for node in prepared.system.nodes].index("ball")]
     np.testing.assert_allclose(prepared.state.z[first:][:2], start.z[first:][:2], rtol=0, atol=1e-9)
+
+
+def cruising(speed):
+    """A block on a spring, and a flywheel that a controller of the speed drives, with an integrator."""
+    return f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{block: {{position: [0, 0, 0]}}, wheel: {{position: [0, 0, 0]}}}}
+        elements:
+          block: {{type: rigid_body, node: block, mass: 2, inertia: [1, 1, 1]}}
+          wheel: {{type: rigid_body, node: wheel, mass: 1, inertia: [1, 1, 1]}}
+        joints:
+          guide: {{type: prismatic, nodes: [ground, block], axis: [0, 0, 1], sliding_law: {{spring: 1000}}}}
+          axle: {{type: hinge, nodes: [block, wheel], axis: [0, 1, 0]}}
+        signals:
+          missing: {speed} - block.velocity.magnitude
+          stored: {{type: integrator, input: missing}}
+          torque: 20*missing + 10*stored
+        loads: {{motor: {{type: joint_moment, joint: axle, value: torque}}}}
+        static: {{}}
+        """
+
+
+def test_the_integrator_of_a_velocity_keeps_its_value_at_rest():
+    """The flywheel does not turn away under a torque that rounding errors drive; its free motion is reported."""
+    path = Path(cruising(0))
+    assert path.positions("block")[-1, 2] == pytest.approx(-3 * G / 1000, rel=1e-9)
+    assert path.turns_about_y("wheel")[-1] == pytest.approx(0, abs=1e-9)
+    assert (path.points[-1].stability.neutral, path.points[-1].stability.unstable) == (1, 0)
+
+
+def test_an_integrator_that_cannot_rest_is_named():
+    with pytest.raises(ConvergenceError, match="integrator 'stored' cannot rest: the rate vanishes at no position"):
+        Path(cruising(3))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, Failure, NonFiniteError
+from mecano.errors import ConvergenceError, Failure, NonFiniteError, name_list
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Stability, StabilityTest, freedom_text, motion_text
 from mecano.solve.statics.static import Statics, Status
@@ -28,6 +28,7 @@ Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibri
 GROWTH, SHRINK = 2.0, 0.25
 BESIDE = 1e-4  # length scales or rad: if Newton's method moves a balanced state farther, it may have a free motion
 ROUNDED = 1e-9  # of the largest force on an unknown: smaller sums of forces may be rounding errors
+MOST_NAMED = 4
 EASY = 12  # iterations up to which the next step grows
 SOFTER = 1.5  # multiple of the predicted change above which the stiffness has fallen on the way
 LEAP, NOTICEABLE = 4.0, 0.02  # a jump exceeds this multiple of the predicted change and this part of the length scale
@@ -200,14 +201,18 @@ class Follower:
         statics, system = self.statics, self.statics.system
         of, bad = statics.loading, np.flatnonzero(~np.isfinite(statics.assembly.residual[: system.n]))
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
-        statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
+        statics.evaluate(statics.begin(last), p, 1.0, 0.0, True)
+        growing = statics.idle.growing(statics.assembly)
         worst = worst_equations(system, statics.assembly)
         equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst}"
         if found.failure is Failure.NOT_FINITE:
             return of_equations(NonFiniteError(head + equations), system, bad)
         stability = self.stability(last, last_p)
         free = f"at {of.name} {last_p:.6g}{of.unit}: {freedom_text(system, last, stability, statics.length)}"
-        if stability.neutral > 0 and found.failure is Failure.SINGULAR:
+        if growing:
+            free += f"\n{name_list(growing, MOST_NAMED)} cannot rest: the rate vanishes at no position"
+            hint = f"an input of this state that is zero at rest; {hint}"
+        elif stability.neutral > 0 and found.failure is Failure.SINGULAR:
             hint = f"a joint or spring that holds this motion; {hint}"
         return ConvergenceError(f"{head}{free}\n{equations}\nwhat to try: {hint}{of.hint}")
 

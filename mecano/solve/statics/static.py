@@ -18,8 +18,9 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.scales import SMALL, Limits, Scales, Tolerances, balance, norms
 from mecano.solve.events.compliance import Compliance, soften
 from mecano.solve.events.events import EventMonitor, EventRecord
-from mecano.solve.linear.iteration import Exhausted, Iterated, iterate
+from mecano.solve.linear.iteration import SINGULAR, Exhausted, Iterated, iterate
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
+from mecano.solve.statics.idle_states import IdleStates
 from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, Held, VelocityConstraints
 from mecano.solve.time.increments import Weights, correct, largest, reach_of, tangents
@@ -35,7 +36,7 @@ PHASE_CHANGES = 10  # rounds of phase changes at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
 POLISH = 4  # iterations beyond the tolerance while the residual falls
 FARTHEST = 1e3  # length scales in one step: a greater change is a free motion driven by rounding errors
-SLIGHT_DRAG = 1e-7  # over the mean stiffness
+SLIGHT_DRAGS = 1e-7, 1e-5  # over the mean stiffness
 SLIGHT_STEPS = 8  # steps with slight drag towards an equilibrium with a singular tangent
 FARTHEST_SLIGHT = 0.3  # of the length scale, or rad: largest displacement of such a step
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
@@ -81,7 +82,7 @@ class Statics:
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         turns = system.numbering.kind[: system.n_q] == ROTATION
         self.weight = np.where(turns, length**2, np.where(system.signals, 0.0, 1.0))  # signals follow at once
-        self._states = [(i, np.flatnonzero(system.rows == i)) for i in np.flatnonzero(system.states)]
+        self.idle = IdleStates(system)
         self.assembly, self._increment = Assembly(system), np.zeros(system.n)
         self._T = np.tile(np.eye(3), (3 * len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
@@ -118,7 +119,7 @@ class Statics:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
         self.loading.assemble(s, p, k, penalty, cK=float(tangent), T=self._T, into=assembly)
         if tangent:
-            self._keep_states()
+            self.idle.keep(assembly)
         if held is not None:
             moved = np.zeros(system.n_q) if s0 is s else self.displacement(s, s0)
             self.rolling.add(assembly, held, moved, k, penalty, tangent)
@@ -128,13 +129,6 @@ class Statics:
             if tangent:
                 self.compliance.soften_tangent(k, assembly.data, self.compliance.values)
         return self.norms(s, k)
-
-    def _keep_states(self):
-        """Enter ones on the diagonal for states whose equations vanish at rest (creep): they keep their values."""
-        assembly = self.assembly
-        for i, entries in self._states:
-            if assembly.residual[i] == 0.0 and not assembly.data[entries].any():
-                assembly.data[self.system.diagonal[i]] = 1.0
 
     def step(self, s0: "State", phases: np.ndarray) -> Step:
         """Return the beginning ``s0`` of a step, and its Held for elements in the ``phases``."""
@@ -195,18 +189,31 @@ class Statics:
         if ok and found.change > FARTHEST:
             ok, failure = False, Failure.NOT_CONVERGED
             message = f"a node moves by more than {FARTHEST:g} times the size of the mechanism in one step"
+        if not ok and first > FARTHEST:  # the tangent is regular only by rounding errors
+            message, failure = SINGULAR, Failure.SINGULAR
         return s, Status(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
     def correct_singular(self, s0: "State", p: float) -> "tuple[State, Status]":
         """Return (state, Status) of an equilibrium near ``s0`` with a singular tangent, by steps with negligible drag.
 
-        It exists if no force acts along the free motions.
+        It exists if no force acts along the free motions. Forces that fade along a path may make these motions slightly
+        unstable, which a greater drag prevents from growing out of rounding errors.
         """
+        iterations = 0
+        for drag in SLIGHT_DRAGS:
+            s, found = self._creep(s0, p, drag)
+            iterations += found.iterations
+            if found.ok:
+                break
+        return s, replace(found, iterations=iterations)
+
+    def _creep(self, s0, p, drag):
+        """Return (state, Status) after steps with ``drag``, over the mean stiffness."""
         s, iterations = s0, 0
         reported: list[EventRecord] = []
         for _ in range(SLIGHT_STEPS):
             k, _ = self.scales(self.begin(s))
-            s, found = self.correct(s, p, SLIGHT_DRAG * k)
+            s, found = self.correct(s, p, drag * k)
             iterations += found.iterations
             reported += found.event_records
             if not found.ok or found.change > FARTHEST_SLIGHT:
