@@ -151,6 +151,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
         method = GeneralizedAlpha(
             system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
             k=k, penalty=penalty, compliance=prepared.compliance, duration=duration,
+            tolerance=control.tolerance,
         )  # fmt: skip
     if control.adaptive:
         method.turn = min(method.turn, turn_over_bumps(deck))

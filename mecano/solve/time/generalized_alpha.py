@@ -128,10 +128,11 @@ class GeneralizedAlpha:
         penalty: float | None = None,
         compliance: Compliance | None = None,
         duration: float = np.inf,
+        tolerance: float = np.inf,
     ):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
-        self.k, self.penalty, self.duration = k, penalty, duration
+        self.k, self.penalty, self.duration, self.tolerance = k, penalty, duration, tolerance
         self.patience = PATIENCE
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None
@@ -165,6 +166,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
+            tolerance=self.tolerance,
             farthest_fixed=self.workspace.farthest_fixed / self.length,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
             most=to.max_iterations, n_massless=len(self._massless), massless=self._massless,

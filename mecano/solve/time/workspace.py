@@ -30,8 +30,8 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
 STEP = fields(
-    floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
-    "h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
+    floats="due am af beta gamma error length duration tolerance force_tolerance constraint_tolerance "
+    "increment_tolerance h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
     "change lag turn signalled drift next_drift "
     "spent next_spent last_spent "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "

@@ -1,0 +1,59 @@
+"""A patch without inertia whose wheel is unloaded until it slides: its rate jumps, its displacement does not."""
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck
+
+RISE, START, RADIUS, HEIGHT = 0.02, 0.1, 0.3, 0.28  # m, s, m, m: the wheel is lifted by RISE, as far as the ground
+STIFFNESS, FRICTION, LATERAL = 3e5, 0.5, 2e5  # N/m radial; -; N/m
+DECK = """
+    mecano: 1
+    gravity: none
+    nodes:
+      cart: {{position: [0, 0, 0.28]}}
+      hub: {{position: [0, 0, 0.28]}}
+    elements:
+      cart: {{type: rigid_body, node: cart, mass: 1, inertia: [1, 1, 1]}}
+      rim: {{type: rigid_body, node: hub, mass: 10, inertia: [0.4, 0.7, 0.4]}}
+      wheel:
+        {{type: flexible_wheel, node: hub, axis: ['-sin({angle})', 'cos({angle})', 0], tire_law: tyre, ground: road}}
+    joints:
+      level: {{type: held_rotation, nodes: [ground, cart]}}
+      tow: {{type: prescribed_position, node: cart, direction: [1, 0, 0], value: {{linear: {{slope: 15}}}}}}
+      track: {{type: prescribed_position, node: cart, direction: [0, 1, 0], value: 0}}
+      height:
+        type: prescribed_position
+        node: cart
+        direction: [0, 0, 1]
+        value: {{bump: {{start: 0.1, length: {length}, height: 0.02}}}}
+      bearing: {{type: hinge, nodes: [cart, hub], axis: ['-sin({angle})', 'cos({angle})', 0]}}
+    tire_laws:
+      tyre:
+        radius: 0.3
+        radial: {{linear: {{slope: 3.0e5}}}}
+        radial_damping: {damping}
+        friction: 0.5
+        slip_regularization: 0.01
+        lateral: {{relaxation: {{cornering_stiffness: 6.0e4, relaxation_length: 0.3}}}}
+    grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    initial:
+      velocities:
+        - {{nodes: all, velocity: [15, 0, 0]}}
+        - {{nodes: [hub], angular_velocity: ['-sin({angle})*50', 'cos({angle})*50', 0], about: own}}
+    time: {{end: {end}, step: 0.1 ms, adaptive: {{tolerance: 1.0e-4}}}}
+"""
+
+
+@pytest.mark.parametrize(("angle", "length", "damping"), [(0.04, 0.05, 0.5), (0.02, 0.05, 0.5), (0.02, 0.01, 0.1)])
+def test_a_patch_slides_where_the_friction_balances_the_tyre(angle, length, damping):
+    """mu N of N = k w (1 + c dw/dt), 0.3 of the way up; the tyre has its part along the axle turned with the patch."""
+    end = START + 0.3 * 0.5 * length
+    run = RecordedRun(deck(DECK.format(angle=angle, length=length, damping=damping, end=end)))
+    names = "longitudinal_force", "lateral_force", "y", "psi"
+    along, across, y, psi = (float(run[f"elements/wheel/{name}"][-1]) for name in names)
+    phase = 2.0 * np.pi * (end - START) / length
+    depth = RADIUS - HEIGHT - 0.5 * RISE * (1.0 - np.cos(phase))
+    rate = -0.5 * RISE * np.sin(phase) * 2.0 * np.pi / length
+    friction = FRICTION * STIFFNESS * depth * (1.0 + damping * rate)
+    assert np.hypot(along, across) == pytest.approx(friction, rel=1e-3)  # the rate of the height is of second order
+    assert -LATERAL * y == pytest.approx(across - psi * along, rel=1e-6)
