@@ -31,7 +31,9 @@ AXIS_ROWS = (
 FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
 FRICTION_MOMENT = Output("friction_moment", "N m", "friction moment; > 0 against a positive rate of the angle")
 FRICTION_FORCE = Output("friction_force", "N", "friction force along the axis; > 0 against a positive velocity")
-NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
+NORMAL_FORCE = Output(
+    "normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis, and of a key"
+)
 POWER = Output("dissipated_power", "W", "power dissipated by friction")
 
 
