@@ -50,6 +50,24 @@ def test_forces_are_the_same_in_axes_that_move_and_fall(kind):
             np.testing.assert_allclose(one, other, rtol=0.0, atol=bound, err_msg=sample.in_phase)
 
 
+@deck_kind
+def test_what_has_no_mass_does_not_feel_that_the_whole_model_turns(kind):
+    """Dampers, friction and rolling know velocities relative to one another only."""
+    spin = np.array([0.7, 0.9, -1.3])
+    for sample in samples(kind):
+        here, x, turn = sample.motion, sample.motion.x.copy(), sample.motion.turn.copy()
+        heavy = any(np.any(one.force(here.t, one.local(here))[3]) for one in sample.instances if one.kind.acts)
+        if heavy or moves_in_axes_of_its_own(kind):
+            continue
+        x[:, 1] += np.cross(spin, x[:, 0])
+        turn[:, 1] += np.einsum("nji,j->ni", here.R, spin)
+        there = Motion(here.t, x, here.R, turn)
+        both = force_on_nodes(sample.instances, there), force_on_nodes(sample.instances, here)
+        for one, other in zip(*both, strict=True):
+            bound = 1e-10 * (1.0 + np.abs(other).max(initial=0.0))
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=bound, err_msg=sample.in_phase)
+
+
 def kinds_in(node):
     """All values of ``type`` in a deck."""
     if isinstance(node, dict):
