@@ -169,7 +169,9 @@ POINT_ON_CURVE = Kind(
         Output("speed", "m/s", "speed of b along the curve, relative to a"),
         Output("force", "N", "force of the curve on b, inertial", (3,)),
         Output("normal_force", "N", "magnitude of that force, which is normal to the curve"),
-        Output("pressure_angle", "rad", "angle between that force and the velocity of b, 0 to pi/2; 0 at rest"),
+        Output(
+            "pressure_angle", "rad", "angle between that force and the inertial velocity of b, 0 to pi/2; 0 at rest"
+        ),
         Output("overrun", "m", "how far b is beyond the end of an open curve", geometric=True),
     ),
     multipliers=tuple(Row(f"force of the curve along its axis {i}", "N", "m") for i in (1, 2, 3)),
