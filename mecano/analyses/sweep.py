@@ -228,22 +228,22 @@ def _locus(case, axis, other, reported, orders=()):
         motions.append(motion)
         variations.append(variation)
         reported(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
-    values, rows = loci(track(spectra, axis.values), spectra)
-    described = [_described(row, spectra, motions) for row in rows]
+    values, rows, shown = loci(track(spectra, axis.values), spectra)
+    described = [_described(row, spectra, motions) for row in shown]
     spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
     growth, count, fastest = _growth(spectra)
     found, unrefined = _criticals(axis, rows, spectra, spectrum_at)
     unrefined += _unseen(axis, count, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
-    kinds = _by_branch(rows, spectra, "families", -1)
-    sure = _by_branch(rows, spectra, "converged", True)
+    kinds = _by_branch(shown, spectra, "families", -1)
+    sure = _by_branch(shown, spectra, "converged", True)
     locus = Locus(
         axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, least, np.array(variations)
     )
     if case.rotor:
-        locus.whirl = _by_branch(rows, spectra, "whirl", np.nan)
+        locus.whirl = _by_branch(shown, spectra, "whirl", np.nan)
         locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
-        locus.resonances, missed = resonances(rows, spectra, axis.values, orders, spectrum_at)
+        locus.resonances, missed = resonances(shown, spectra, axis.values, orders, spectrum_at)
         unrefined += [_not_refined_text(case.rotor, axis.name, *one) for one in missed]
     return locus
 

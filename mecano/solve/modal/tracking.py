@@ -59,6 +59,17 @@ class Spectrum:
         """The significant eigenvalues with nonnegative imaginary part."""
         return self.values[(self.values.imag >= 0.0) & (np.abs(self.values) > self.least)]
 
+    @property
+    def upper(self) -> np.ndarray:
+        """(m,) Index of each eigenpair, or of its conjugate if that has the positive imaginary part."""
+        found = np.arange(len(self.values))
+        above = np.flatnonzero(self.values.imag > 0.0)
+        for i in np.flatnonzero(self.values.imag < 0.0):
+            same = above[self.values[above] == self.values[i].conj()]
+            shapes = np.abs(self.shapes[same] - self.shapes[i].conj()).max(axis=1, initial=0.0)
+            found[i] = same[np.argmin(shapes)] if len(same) else i
+        return found
+
     def costs(self, value: complex, shape: np.ndarray, largest: float) -> np.ndarray:
         """Return the dissimilarity (m,) of each eigenpair to ``value`` with ``shape``."""
         apart = np.abs(self.values - value) / (np.abs(self.values) + abs(value) + 0.01 * largest)
@@ -131,17 +142,20 @@ def _costs(row, spectra, places, before, i):
     return spectra[i].costs(value, shape, largest)
 
 
-def loci(rows: np.ndarray, spectra: Sequence[Spectrum | None]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the eigenvalues (branches, n) along branches, imaginary parts nonnegative, nan where missing; and rows.
+def loci(rows: np.ndarray, spectra: Sequence[Spectrum | None]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the eigenvalues (branches, n) along branches, imaginary parts nonnegative, nan where missing; rows; shown.
 
-    Of two branches that are conjugate everywhere, one is kept.
+    Of two branches that are conjugate everywhere, one is kept. Two that are so in part, as real ones that meet, are
+    kept, but the later one lacks the common part in the eigenvalues and in ``shown``, which otherwise equals the rows.
     """
-    values = np.full(rows.shape, np.nan, complex)
+    values, shown = np.full(rows.shape, np.nan, complex), np.full(rows.shape, -1)
+    taken: list[set[int]] = [set() for _ in spectra]
+    upper = [None if spectrum is None else spectrum.upper for spectrum in spectra]
     for b, i in zip(*np.nonzero(rows >= 0), strict=True):
-        value = spectra[i].values[rows[b, i]]
-        values[b, i] = complex(value.real, abs(value.imag))
-    kept: list[int] = []
-    for b in range(len(values)):
-        if not any(np.array_equal(values[b], values[c], equal_nan=True) for c in kept):
-            kept.append(b)
-    return values[kept], rows[kept]
+        pair = int(upper[i][rows[b, i]])
+        if pair not in taken[i]:
+            taken[i].add(pair)
+            value = spectra[i].values[rows[b, i]]
+            values[b, i], shown[b, i] = complex(value.real, abs(value.imag)), rows[b, i]
+    kept = np.any(shown >= 0, axis=1)
+    return values[kept], rows[kept], shown[kept]
