@@ -496,6 +496,15 @@ def test_pictures_leave_out_modes_that_are_much_faster_than_the_growing_ones():
     assert list(shown_modes(stable)[0]) == [0, 1, 2]
 
 
+@pytest.mark.parametrize(("ratios", "shown"), [((0.4, 0.1), True), ((0.14, 0.1), False), ((0.9, 0.4), False)])
+def test_pictures_show_lightly_damped_modes_that_the_parameter_damps(ratios, shown):
+    """The weave of a motorcycle grows at 0.5 Hz; its wobble at 9 Hz only loses most of its damping."""
+    frequency, ratio = np.array([[0.5, 0.5], [9.0, 9.0]]), np.array([(-0.1, 0.2), ratios])
+    size = 2.0 * np.pi * frequency / np.sqrt(1.0 - ratio**2)
+    modes = {"real_part": -ratio * size, "imaginary_part": 2.0 * np.pi * frequency, "frequency": frequency}
+    assert list(shown_modes({**modes, "damping_ratio": ratio})[0]) == [0, 1][: 1 + shown]
+
+
 def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     from mecano.cli import commands
 

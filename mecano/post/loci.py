@@ -28,6 +28,7 @@ UNSTABLE = "#d55e00"
 FAR = 2.5  # times the range near the limit of stability: eigenvalues that decay faster are cut off
 DEEPEST = 10.0
 LITTLE = 0.3  # damping ratio
+CHANGES = 0.05  # of the damping ratio of a lightly damped mode over the sweep: from there on it is of interest
 SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not resolved
 LONGEST = (110, 70)  # characters of a motion in a legend of one or two columns
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
@@ -73,7 +74,7 @@ def shown_modes(
 
     Modes that oscillate faster than the limit at all values are above it. Without ``below`` [Hz] the limit is ABOVE
     times the highest frequency of the modes that grow at some value or, if none grows, of those that are least damped
-    at some value.
+    at some value, and of lightly damped ones whose damping changes.
     """
     oscillates = modes["imaginary_part"] > 0.0
     frequency = np.where(oscillates, modes["frequency"], np.nan)
@@ -87,11 +88,16 @@ def shown_modes(
 
 
 def _of_interest(modes, frequency):
-    """Return the highest frequency [Hz] of the growing oscillations or, if none grows, of the least damped ones."""
+    """Return the highest frequency [Hz] of the growing oscillations or, if none grows, of the least damped ones.
+
+    Lightly damped oscillations whose damping the parameter changes, such as the wobble of a motorcycle, count as well.
+    """
     ratio = np.where(np.isfinite(frequency), modes["damping_ratio"], np.inf)
     chosen = ratio < -ROUNDED
     if not chosen.any():
         chosen = np.isfinite(frequency) & (ratio <= ratio.min(axis=0, initial=np.inf) + ROUNDED)
+    least, most = ratio.min(axis=1), np.where(np.isfinite(ratio), ratio, -np.inf).max(axis=1)
+    chosen = chosen | (ratio < LITTLE) & (most - least > CHANGES)[:, None]
     return frequency[chosen].max(initial=0.0) or np.inf
 
 
