@@ -336,6 +336,19 @@ def test_shimmy_at_all_speeds(case, verify):
     shimmy(case, "speed=1,5,10,20,40,60,80,120,130", verify)
 
 
+def test_growing_oscillations_are_shown_apart_from_a_slow_divergence(tmp_path):
+    """The weave of the bicycle grows below 4.29 m/s, its capsize slowly above 6.02 m/s; at first it falls over."""
+    text, _ = sweep_into(
+        tmp_path / "b.h5", str(INPUTS / "bicycle.yaml"), (), ["speed=0.2,2,5,8", "elements.rider.mass=85,86"]
+    )
+    assert "unstable at speed 0.2 to 2, 8; oscillations grow at 2\n" in text
+    file = read_sweep(tmp_path / "b.h5")
+    swings, growth = file.map["oscillation_growth"][0], file.map["growth"][0]
+    assert np.isnan(swings[0]) and swings[1] == growth[1] > 0.0 > swings[3] and growth[3] > 0.0
+    (axes, *_) = sweep_figure(file).axes
+    assert axes.get_legend_handles_labels()[1][0] == "an oscillation grows"
+
+
 def test_map_files_and_pictures(tmp_path):
     """The border in speed and damping: where the roots of b1 become imaginary."""
     path = tmp_path / "map.h5"

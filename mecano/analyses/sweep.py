@@ -55,6 +55,7 @@ class Locus:
     growth: np.ndarray  # (n,) largest real part [1/s] of the eigenvalues above ``least``; nan where no state was found
     count: np.ndarray  # (n,) number of growing modes; -1 where no state was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
+    swinging: np.ndarray  # (n,) complex: that of the eigenvalues that oscillate; nan where none does
     least: np.ndarray  # (n,) [1/s]: smaller eigenvalues cannot be distinguished from zero
     variation: np.ndarray  # (n,) variation of the Linearization; 0 where no state was found
     whirl: np.ndarray | None = None  # (branches, n) see whirl.py, nan where a branch has none; None without a rotor
@@ -231,15 +232,16 @@ def _locus(case, axis, other, reported, orders=()):
     values, rows, shown = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in shown]
     spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
-    growth, count, fastest = _growth(spectra)
+    growth, count, fastest, swings = _growth(spectra)
     found, unrefined = _criticals(axis, rows, spectra, spectrum_at)
     unrefined += _unseen(axis, count, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     kinds = _by_branch(shown, spectra, "families", -1)
     sure = _by_branch(shown, spectra, "converged", True)
     locus = Locus(
-        axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, least, np.array(variations)
-    )
+        axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, swings, least,
+        np.array(variations),
+    )  # fmt: skip
     if case.rotor:
         locus.whirl = _by_branch(shown, spectra, "whirl", np.nan)
         locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
@@ -268,9 +270,12 @@ def _described(row, spectra, motions):
 
 
 def _growth(spectra):
-    """Return, for each spectrum, the largest real part, the number of growing modes, and the fastest eigenvalue."""
+    """Return, for each spectrum, the largest real part, the number of growing modes, and the fastest eigenvalues.
+
+    These are the one of all, and the one of oscillations.
+    """
     growth, count = np.full(len(spectra), np.nan), np.full(len(spectra), -1)
-    fastest = np.full(len(spectra), np.nan, complex)
+    fastest, swings = (np.full(len(spectra), np.nan, complex) for _ in range(2))
     for i, spectrum in enumerate(spectra):
         if spectrum is None:
             continue
@@ -279,7 +284,9 @@ def _growth(spectra):
         if len(values):
             fastest[i] = values[np.argmax(values.real)]
             growth[i], count[i] = fastest[i].real, int(np.sum(unstable(values)))
-    return growth, count, fastest
+        if np.any(values.imag):
+            swings[i] = max(values[values.imag > 0.0], key=lambda value: value.real)
+    return growth, count, fastest, swings
 
 
 def _criticals(axis, rows, spectra, spectrum_at):

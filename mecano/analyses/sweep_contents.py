@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mecano.results.sweep_file import CRITICAL, RESONANCES
+from mecano.solve.modal.modes import unstable
 
 if TYPE_CHECKING:
     from mecano.analyses.sweep import Sweep
@@ -25,6 +26,7 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
     over = {
         "growth": [locus.growth for locus in loci], "growing": [locus.count for locus in loci],
         "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
+        "oscillation_growth": [_beyond_rounding(locus.swinging) for locus in loci],
     }  # fmt: skip
     rows = [
         (c.place, at, c.value.imag / (2 * np.pi), c.branch + 1, c.error, float(c.destabilizes), locus.of_instant(c))
@@ -40,6 +42,11 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
         "map": {name: np.array(table, float) for name, table in over.items()}, "critical": _columns(rows, CRITICAL),
         "about": sweep.about, **(_campbell(sweep) if sweep.rotor else {}),
     }  # fmt: skip
+
+
+def _beyond_rounding(values):
+    """Return the real parts of eigenvalues (n,), zero where they are rounding."""
+    return np.where(unstable(values) | unstable(-values), values.real, np.where(np.isnan(values), np.nan, 0.0))
 
 
 def _campbell(sweep):

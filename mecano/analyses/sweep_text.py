@@ -9,7 +9,7 @@ import numpy as np
 from mecano.post.text_table import aligned
 from mecano.results.sweep_file import whirl_word
 from mecano.solve.modal.families import FAMILIES
-from mecano.solve.modal.modes import damping
+from mecano.solve.modal.modes import damping, unstable
 from mecano.solve.modal.tracking import least_damped
 
 if TYPE_CHECKING:
@@ -142,9 +142,19 @@ def known_digits(value: float, error: float) -> str:
 
 
 def _unstable_ranges(axis, locus):
-    """Return a text on the ranges of values in which some mode grows."""
-    grows = locus.count > 0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))
+    """Return a text on the ranges of values in which some mode grows, and on those in which an oscillation does.
+
+    A slow divergence, such as the capsize of a bicycle, may grow in ranges in which everything that oscillates decays.
+    """
+    grows, swings = locus.count > 0, (locus.count > 0) & unstable(locus.swinging)
+    if not grows.any():
+        return f"stable at all values of {axis.name}"
+    text = f"unstable at {axis.name} {_ranges(axis, grows)}"
+    return f"{text}; oscillations grow at {_ranges(axis, swings)}" if swings.any() and np.any(grows & ~swings) else text
+
+
+def _ranges(axis, chosen):
+    """Return the ranges of values that are ``chosen`` (n,) bool as text."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
     ends = [dict.fromkeys((f"{axis.values[a]:.6g}", f"{axis.values[b - 1]:.6g}")) for a, b in edges.reshape(-1, 2)]
-    parts = [" to ".join(one) for one in ends]
-    return f"unstable at {axis.name} {', '.join(parts)}" if parts else f"stable at all values of {axis.name}"
+    return ", ".join(" to ".join(one) for one in ends)

@@ -8,6 +8,7 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from mecano.deck.unit_of import parameters_of, unit_of
@@ -263,6 +264,7 @@ def _map(file, units):
     figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable", ticks=ticks)
     if min(growth.shape) > 1 and growth.min() < 0.0 < growth.max():
         ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)
+    _hatch_oscillations(ax, file, growth)
     for grows, marker in ((1.0, ">"), (0.0, "<")):
         own = file.critical["destabilizes"] == grows
         if not own.any():
@@ -271,6 +273,17 @@ def _map(file, units):
                 label=f"border: unstable {'above' if grows else 'below'}")  # fmt: skip
     ax.set(xlabel=with_unit(file.names[0], units[0]), ylabel=with_unit(file.names[1], units[1]))
     ax.grid(False)
-    if len(file.critical["parameter"]):
-        figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2)
+    if ax.get_legend_handles_labels()[0]:
+        figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=3)
     return figure
+
+
+def _hatch_oscillations(ax, file, growth):
+    """Hatch the part of a map in which an oscillation grows, if elsewhere something grows without oscillating."""
+    swings = np.ma.masked_invalid(file.map.get("oscillation_growth", growth))
+    grows, fastest = swings.filled(0.0) > 0.0, float(swings.max())
+    if min(growth.shape) < 2 or not grows.any() or not np.any((growth.filled(0.0) > 0.0) & ~grows):
+        return
+    field = swings.filled(min(float(swings.min()), 0.0))
+    ax.contourf(file.parameter, file.other, field, levels=[1e-6 * fastest, fastest], colors="none", hatches=["//"])
+    ax.add_patch(Rectangle((np.nan, np.nan), 0.0, 0.0, fill=False, hatch="//", label="an oscillation grows"))

@@ -43,6 +43,7 @@ MAP = (
     ("growth", "1/s", "largest real part of all modes but free motions; nan where no state was found"),
     ("growing", "", "number of modes that grow; -1 where no state was found"),
     ("frequency", "Hz", "damped frequency of the mode with the largest real part"),
+    ("oscillation_growth", "1/s", "largest real part of the modes that oscillate; nan where none does"),
 )
 CRITICAL = (
     ("parameter", "", "value at which the growth of a mode changes sign"),
