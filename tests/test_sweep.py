@@ -25,7 +25,7 @@ from mecano.analyses.sweep import sweep, sweep_into
 from mecano.analyses.sweep_axis import Axis
 from mecano.analyses.sweep_text import _numbers, known_digits
 from mecano.errors import ConvergenceError, DeckError, ResultsError, UsageError
-from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
+from mecano.post.loci import _mark, _shortened, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.critical import critical
@@ -347,6 +347,13 @@ def test_growing_oscillations_are_shown_apart_from_a_slow_divergence(tmp_path):
     assert np.isnan(swings[0]) and swings[1] == growth[1] > 0.0 > swings[3] and growth[3] > 0.0
     (axes, *_) = sweep_figure(file).axes
     assert axes.get_legend_handles_labels()[1][0] == "an oscillation grows"
+
+
+@pytest.mark.parametrize(
+    ("longest", "shown"), [(29, "1: a moves; b turns; c moves"), (25, "1: a moves; b turns ..."), (8, "1: a ...")]
+)
+def test_legends_end_between_motions(longest, shown):
+    assert _shortened("1: a moves; b turns; c moves", longest) == shown
 
 
 def test_map_files_and_pictures(tmp_path):

@@ -32,6 +32,7 @@ LITTLE = 0.3  # damping ratio
 CHANGES = 0.05  # of the damping ratio of a lightly damped mode over the sweep: from there on it is of interest
 SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not resolved
 LONGEST = (110, 70)  # characters of a motion in a legend of one or two columns
+LEFT_OUT = " ..."  # marks a text from which something is left out
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
 MOST_REPORTED = 6  # modes listed as beyond the limits
 ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster ones are omitted
@@ -145,12 +146,20 @@ def _handles(file, shown):
     longest = LONGEST[len(real) > IN_A_COLUMN]
     handles = []
     for b in np.sort(order[:MOST_NAMED]):
-        text = f"{b + 1}: {file.motions[b]}"
-        text = text if len(text) <= longest else text[: longest - 3] + "..."
+        text = _shortened(f"{b + 1}: {file.motions[b]}", longest)
         handles.append(Line2D([], [], color=_colour(b), linestyle=_dashes(b), label=text))
     if len(order) > MOST_NAMED:
         handles.append(Line2D([], [], linestyle="none", label=f"and {len(order) - MOST_NAMED} more stable ones"))
     return handles
+
+
+def _shortened(text, longest):
+    """Return the first of the motions in a text that fit into the ``longest`` line, with a mark if some are left out."""
+    if len(text) <= longest:
+        return text
+    room = longest - len(LEFT_OUT)
+    end = text.rfind("; ", 0, room + 1)
+    return f"{text[: end if end > 0 else room]}{LEFT_OUT}"
 
 
 def _plane(ax, file, unit, shown, near, limit):
