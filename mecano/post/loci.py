@@ -154,7 +154,7 @@ def _handles(file, shown):
 
 
 def _shortened(text, longest):
-    """Return the first of the motions in a text that fit into the ``longest`` line, with a mark if some are left out."""
+    """Return the motions of a text that fit into a line of ``longest`` characters, with a mark if some are left out."""
     if len(text) <= longest:
         return text
     room = longest - len(LEFT_OUT)
