@@ -346,6 +346,51 @@ def test_include(tmp_path):
     assert deck.text == MAIN
 
 
+VARIANT = """include: deck.yaml
+set:
+  time.end: 3
+  elements.load.mass: 8
+  nodes.top.position.2: 2
+  loads.push: null
+  laws.oleo.spring: 9 N/mm
+laws: {another: 4}
+"""
+
+
+def test_a_variant_adds_entries_and_replaces_values(tmp_path):
+    """A variant of a variant replaces its values, and the command line those of both."""
+    write(tmp_path / "a", **{"variant.yaml": VARIANT, "heavy.yaml": "include: variant.yaml\nset: {time.end: 4}\n"})
+    values = read_deck(tmp_path / "a" / "variant.yaml", **FAKE).values
+    assert values["time"]["end"] == 3.0 and values["elements"]["load"]["mass"] == 8.0
+    assert list(values["nodes"]["top"]["position"]) == [0.0, 0.0, 2.0] and values["loads"] == {}
+    assert values["elements"]["strut"]["law"] == (("spring", {"stiffness": 9000.0}),) and "another" in values["laws"]
+    heavy = tmp_path / "a" / "heavy.yaml"
+    values = read_deck(heavy, **FAKE).values
+    assert values["time"]["end"] == 4.0 and values["elements"]["load"]["mass"] == 8.0
+    assert read_deck(heavy, ["time.end=5"], **FAKE).values["time"]["end"] == 5.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("time.end: 3", "time.ende: 3", "3:8 unknown key 'time.ende'; did you mean 'time.end'?"),
+        ("  elements.load.mass: 8", "  elements.lod.mass: 8", "4:12 'elements' has no 'lod'"),
+        (
+            "  elements.load.mass: 8",
+            "  elements..mass: 8",
+            "4:3 'elements..mass' is not a path of keys separated by dots",
+        ),
+        ("laws: {another: 4}", "laws: {oleo: 4}", "8:8 'oleo' is given twice"),
+        ("set:\n", "set: [1]\nlaws_:\n", "2:6 'set' must be a mapping of paths in the deck to values"),
+    ],
+)
+def test_wrong_variants(tmp_path, old, new, expected):
+    assert VARIANT.count(old) == 1
+    write(tmp_path / "a", **{"variant.yaml": VARIANT.replace(old, new)})
+    found = problems_in(tmp_path / "a" / "variant.yaml")
+    assert found[0].startswith(f"variant.yaml:{expected.partition(';')[0]}"), found
+
+
 INCLUDES = [  # files written otherwise, the problems
     ({"laws.yaml": LAWS.replace("stiffness", "stifness")},
      ["laws.yaml:3:19 law 'oleo': unknown key 'spring.stifness'"]),

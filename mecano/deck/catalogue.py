@@ -59,6 +59,7 @@ SIGNALS = [
 ]
 WRITTEN = {
     "include": ["  include: [laws.yaml, parts/wheel.yaml]"],
+    "set": ["  include: gear.yaml", "  set: {parameters.mass: 9400 kg, joints.stop: null, time.end: 3 s}"],
     "repeat": ["  nodes:", "    p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}", "  elements:",
                "    bar$i: {repeat: {i: 1..5}, type: bar, nodes: [p$(i - 1), p$i], axial_stiffness: 10 kN}"],
     "templates": ["  templates:", "    leg:", "      parameters: {length: 1.0, hold: null} # null: must be given",

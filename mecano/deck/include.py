@@ -1,4 +1,7 @@
-"""``include: [laws.yaml, wheel.yaml]``: sections of other files, merged with those of the deck name by name."""
+"""``include: [laws.yaml, wheel.yaml]``: sections of other files, merged with those of the deck name by name.
+
+``set: {time.end: 3}`` replaces values of the included files, as an override of the command line does.
+"""
 
 import os
 from collections.abc import Iterable
@@ -29,6 +32,7 @@ def confined(folder: str, name: str) -> str | None:
 class Inclusion:
     """Merger of the sections of a deck and of all files that it includes.
 
+    ``settings`` are the (path, value) of ``set``, those of included files first.
     ``files`` is {name relative to the folder of the deck: SHA-256}; ``beside`` is {file as shown: its folder relative
     to that of the deck}, for the files that it names itself.
     """
@@ -37,6 +41,7 @@ class Inclusion:
         self.folder, self.problems = folder, problems
         self.named = {field.name for field in sections if field.type.name == "named"}
         self.sections: dict[str, Pair] = {}
+        self.settings: list[Pair] = []
         self.files: dict[str, str] = {}
         self.beside: dict[str, str] = {}
         self.unread = False  # whether a file could not be read
@@ -55,7 +60,9 @@ class Inclusion:
             for node in include[1].value if type(include[1].value) is list else [include[1]]:
                 self._include(node, beside)
         for section, (key, node) in root.value.items():
-            if section != "include":
+            if section == "set":
+                self._set(node)
+            elif section != "include":
                 self._add(section, key, node)
 
     def _include(self, node, beside):
@@ -105,6 +112,12 @@ class Inclusion:
             self.sections[section] = (first_key, self._joined(first, node))
         elif section != "mecano" or node.value != first.value:
             self._refuse(key, f"{quoted(section)} is given twice; first at {first_key.mark}")
+
+    def _set(self, node):
+        if type(node.value) is dict:
+            self.settings += node.value.values()
+        elif node.value is not None:
+            self._refuse(node, "'set' must be a mapping of paths in the deck to values: {time.end: 2}")
 
     def _joined(self, first, node):
         for name, (key, _) in node.value.items():

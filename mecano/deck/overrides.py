@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from mecano.deck.compose import MAX_DEPTH, Node, compose
+from mecano.deck.compose import MAX_DEPTH, Node, Pair, compose
 from mecano.deck.source import FORBIDDEN, Source
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
@@ -14,7 +14,10 @@ from mecano.errors import DeckError, Problem
 if TYPE_CHECKING:
     from mecano.schema import Field
 
-ADDING = "an override changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
+ADDING = (
+    "an override changes entries and does not add them: edit the deck, include it in one that adds them, or use "
+    "mecano.Deck in Python"
+)
 INDEX = re.compile("[0-9]{1,9}")
 INDEXED = re.compile(r"\[([0-9]{1,9})\]")
 ITEM = re.compile(rf"([^\[\]]+)({INDEXED.pattern})+")  # as in messages: nodes[1]
@@ -32,6 +35,20 @@ def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]"
     for text in overrides:
         try:
             root = _applied(root, text, names)
+        except DeckError as error:
+            problems.extend(error.problems)
+    return root
+
+
+def settled(root: Node, settings: "Iterable[Pair]", sections: "Iterable[Field]", problems: list[Problem]) -> Node:
+    """Return a copy of the tree with the ``settings`` (path, value) of a deck applied in order, as ``overridden``."""
+    names = {field.name for field in sections if field.type.name == "named"}
+    for path, new in settings:
+        keys = str(path.value).split(".")
+        try:
+            if not all(keys) or len(keys) > MAX_DEPTH:
+                _refuse(path, f"{quoted(str(path.value))} is not a path of keys separated by dots, such as 'time.end'")
+            root = _replaced(root, _places(keys, path), 0, new, names)
         except DeckError as error:
             problems.extend(error.problems)
     return root
@@ -56,9 +73,13 @@ def _applied(root, text, names):
     new = compose(source, problems) or Node(None, source)
     if problems:
         raise DeckError(problems)
-    columns = accumulate((len(key) + 1 for key in keys), initial=0)
-    places = [Node(key, whole, 0, column) for key, column in zip(keys, columns, strict=False)]
-    return _replaced(root, places, 0, new, names)
+    return _replaced(root, _places(keys, Node(path, whole)), 0, new, names)
+
+
+def _places(keys, path):
+    """Return the nodes of the ``keys`` of a path, from its node."""
+    columns = accumulate((len(key) + 1 for key in keys), initial=path.column)
+    return [Node(key, path.source, path.line, column) for key, column in zip(keys, columns, strict=False)]
 
 
 def _owner(name, sections, names):

@@ -11,7 +11,7 @@ from mecano.deck.deck import Deck
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.include import Inclusion
 from mecano.deck.lint import suspicious, unplaced
-from mecano.deck.overrides import overridden
+from mecano.deck.overrides import overridden, settled
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source, Unreadable, decoded, read_source
 from mecano.deck.wording import similar_files
@@ -74,11 +74,14 @@ def deck_of(
     root = inclusion.merged(root)
     if inclusion.unread:
         raise DeckError(problems, UNCHECKED)
+    early = [pair for pair in inclusion.settings if BEFORE_COPIES.match(f"{pair[0].value}=")]
+    root = settled(root, early, known_sections, problems)
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
     root = overridden(root, first, known_sections, problems)
     scope = scope_of(root, kinds, terms, folder, problems)
     scope.files, scope.included = inclusion.files, inclusion.beside
     root = written_out(root, sections, scope)
+    root = settled(root, [pair for pair in inclusion.settings if pair not in early], sections, problems)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
     warnings = (*suspicious(values, root, scope.used_names(), kinds), *unplaced(scope.unplaced))

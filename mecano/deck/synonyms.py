@@ -420,6 +420,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "group, assembly, subsystem, macro": ("templates place include", ""),
     "loop, copies, pattern, array": ("repeat templates", ""),
     "import, file": ("include", ""),
+    "variant, overlay, override, inherit, base deck": (
+        "include set", "a variant includes a deck, adds entries and replaces values by 'set'"
+    ),
     "python, notebook, jupyter, pandas, xarray, matlab": (
         "", "mecano.run, modes, response and sweep; results become arrays, pandas or xarray: see docs/python.md"
     ),

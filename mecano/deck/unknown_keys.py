@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mecano.deck.scope import Invalid, Scope
 
 MERGED = "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
-EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
+EXPANDED_KEYS = ("include", "set", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
 OF_LAWS = ("stiffness", "damping", "spring", "damper", "k", "c")
 LAWS = ("law", "turning_law", "sliding_law")  # that have them as terms
 IN_PLACE = {  # key -> (key that is known in its place, hint)
@@ -70,7 +70,7 @@ def _meant(key, known, fields, field, scope):
         return "write ': ' instead of '='"
     if key == "<<":
         return MERGED
-    if key == "include" and not field.name:  # files were included before: this is of --set
+    if key in ("include", "set") and not field.name:  # they were expanded before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     allowed = known if field.name else known.union(EXPANDED_KEYS)
     if key.lower() in OF_LAWS and (laws := [quoted(name) for name in LAWS if name in known]):
