@@ -186,7 +186,7 @@ STRUCTURE = [
     ("smooth: 0.8", "smooth: .inf", 26, ".inf",
      "law 'smooth': must be finite, got .inf"),
     ("nodes: all", "nodes: al", 35, "al",
-     "'initial.velocities[0].nodes' must be a list of node names or 'all', got the text 'al'; did you mean 'all'?"),
+     "'initial.velocities[0].nodes' must be a list of names of nodes and members or 'all', got the text 'al'; did you mean 'all'?"),
     ("nodes: all", "nodes: []", 35, "[],",
      "'initial.velocities[0].nodes' must not be empty, got []"),
     ("nodes: all", "nodes: [axle, axle]", 35, "[axle,",

@@ -490,3 +490,31 @@ def test_inertia_of_a_body_much_larger_than_the_model(inertia, warned):
     model = prepare(input_deck("double_pendulum", f"elements.upper.inertia={inertia}"))
     said = [text for text in warnings_of(model) if "radius of gyration" in text]
     assert len(said) == warned and all("a radius of gyration of 289 m" in text for text in said)
+
+
+BOOM = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+    sections: {tube: {type: tube, diameter: 50 mm, thickness: 2 mm, E: 210 GPa, nu: 0.3, density: 7850}}
+    elements: {boom: {type: beam, nodes: [a, b], section: tube, mesh: MESH}}
+    initial: {velocities: [{nodes: NODES, velocity: [1, 0, 0]}]}
+    time: {end: 0.01, step: 0.001}
+    """
+
+
+def boom(mesh, nodes):
+    return deck(BOOM.replace("MESH", str(mesh)).replace("NODES", nodes))
+
+
+@pytest.mark.parametrize("mesh", [1, 2, 8])
+def test_a_member_stands_for_its_nodes_in_initial_velocities(mesh):
+    inner = [f"boom.{i}" for i in range(1, mesh)]
+    checked = boom(mesh, "[b, boom]")
+    assert checked.values["initial"]["velocities"][0]["nodes"] == ["b", "a", *inner] and not checked.warnings
+
+
+def test_a_mesh_with_more_nodes_than_initial_velocities_name():
+    assert not boom(4, "[a, b, boom.1, boom.2, boom.3]").warnings and not boom(8, "[a, b]").warnings
+    (warning,) = boom(8, "[a, b, boom.1, boom.2, boom.3]").warnings
+    assert "names nodes of 'boom', but not boom.4, boom.5, boom.6, and 1 more; 'boom' itself" in warning.message

@@ -17,6 +17,7 @@ from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Problem, name_list
+from mecano.model.mesh import divides, inner_names
 
 if TYPE_CHECKING:
     from mecano.deck.compose import Node
@@ -56,6 +57,7 @@ def suspicious(
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_bearings(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
+        *_partly_moving(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
@@ -86,6 +88,20 @@ def _unused(root, used):
             if name not in used[section] and not included and (key.line, key.column) not in marks:
                 marks.add((key.line, key.column))
                 yield Problem(f"{singular(section)} {quoted(name)} is not used", key.mark)
+
+
+def _partly_moving(values, kinds):
+    """Yield (path, text) on members of which initial velocities name some of the nodes inside, but not all."""
+    members = {name: d for name, d in values["elements"].items() if divides(kinds[d["type"]], d)}
+    for entry in values["initial"]["velocities"]:
+        for name, d in members.items():
+            inner = inner_names(name, d)
+            missing = [] if entry["nodes"] == "all" else [node for node in inner if node not in entry["nodes"]]
+            if 0 < len(missing) < len(inner):
+                text = (
+                    f"an entry of 'velocities' names nodes of {quoted(name)}, but not {name_list(missing, MOST_NAMES)}"
+                )
+                yield ("initial", "velocities"), f"{text}; {quoted(name)} itself stands for all of its nodes"
 
 
 def _gravity(vector):

@@ -33,6 +33,9 @@ def resolve(values: Values, scope: "Scope") -> None:
         _resolve(reference, nodes, members, values, scope)
     for line in scope.lines:
         line[:] = _nodes_of_line(line, members)
+    for names in scope.node_sets:
+        nodes_of = (divided_nodes(name, members[name]) if name in members else [name] for name in names)
+        names[:] = dict.fromkeys(node for nodes in nodes_of for node in nodes)
 
 
 def _resolve(reference, nodes, members, values, scope):

@@ -77,6 +77,7 @@ class Scope:
     parameters: Parameters = field(default_factory=Parameters)
     references: list[Reference] = field(default_factory=list)
     lines: list[list[str]] = field(default_factory=list)  # names of nodes and members
+    node_sets: list[list[str]] = field(default_factory=list)  # the same, in any order
     formulas: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # with their subjects, all that are read
     continuous: "list[tuple[Any, Node, str]]" = field(default_factory=list)  # Formulas, laws without jumps
     motions: list[tuple[Any, str | int, str]] = field(default_factory=list)  # (container, key, formula as written)

@@ -12,6 +12,7 @@ from mecano.schema import (
     CURVE,
     DIRECTION,
     INTEGER,
+    NODE_SET,
     NODES,
     NUMBER,
     ORIENTATION,
@@ -156,7 +157,8 @@ GROUND_FIELDS = (
 )
 
 VELOCITY_FIELDS = (
-    Field("nodes", either(NODES, "all"), "-", "nodes with this motion", check=distinct),
+    Field("nodes", either(NODE_SET, "all"), "-", "nodes with this motion, and members with all of theirs",
+          check=distinct),
     Field("velocity", VECTOR, "m/s", "velocity, inertial; with 'about', of this point", ZERO),
     Field("angular_velocity", VECTOR, "rad/s", "angular velocity, inertial axes", ZERO),
     Field(

@@ -15,7 +15,7 @@ from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope
 from mecano.deck.units import UnitError, converted, go_together, is_quantity, same_dimension, unit_of, written_in_si
 from mecano.deck.wording import quoted
-from mecano.schema import LINE, NODE, NUMBER, NUMBERS, SECTION_OF, Field, Type
+from mecano.schema import LINE, NODE, NODE_SET, NUMBER, NUMBERS, SECTION_OF, Field, Type
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 SMALLEST = 1e-100  # below it they vanish; zero itself is allowed
@@ -278,8 +278,8 @@ def node_name(node: Node, field: Field, scope: Scope) -> str | Invalid:
 
 def node_names(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     """Return a list of names of nodes, of the length required by the type; one of a fixed number may be ``ground``."""
-    if field.type == LINE:
-        return line(node, field, scope)
+    if field.type in (LINE, NODE_SET):
+        return nodes_and_members(node, field, scope)
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
         hint = f"write [{node.value}]" if type(node.value) is str and node.value.isidentifier() and not length else ""
@@ -294,14 +294,14 @@ def node_names(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     return INVALID if INVALID in values else values
 
 
-def line(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
+def nodes_and_members(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     """Return a list of names of nodes and members; the members are replaced later by their nodes (resolve.py)."""
     items = [node] if type(node.value) is str else node.value
     if type(items) is not list:
         return scope.refuse_value(node, field)
     own = [replace(field, name=f"{field.name}[{i}]", type=OF_LINE) for i in range(len(items))]
     values: list[Any] = [node_name(item, one, scope) for item, one in zip(items, own, strict=True)]
-    scope.lines.append(values)
+    (scope.lines if field.type == LINE else scope.node_sets).append(values)
     return INVALID if INVALID in values else values
 
 
