@@ -99,8 +99,14 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
         (
             "flexible_pendulum",
             "sections.rubber.E=210000",
-            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it intended",
+            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it intended, or in MPa?",
         ),
+        (
+            "flexible_pendulum",
+            "sections.rubber.E=210",
+            "section 'rubber': 'E' is 210 Pa, softer than rubber; is it intended, or in GPa?",
+        ),
+        ("hoist", "elements.wire.E=5000", "bar 'wire': 'E' is 5000 Pa, softer than rubber; is it intended, or in MPa?"),
         ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load has no effect"),
         ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
         ("pendulum", "gravity=[0, 0, -9810]", "'gravity' is 9810 m/s2; on Earth it is 9.81"),

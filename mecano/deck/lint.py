@@ -33,9 +33,9 @@ SUSPECT = {  # term of a law: the quantity that may be negative, its value, the 
 }
 MOST_NAMES = 3
 MEANT_DEGREES = "is {0:g} rad, more than a turn; is this intended? Degrees are written as '{0:g} deg'"
-MATERIALS = {  # field of a section: its unit, the smallest value of a solid, what a smaller value means, another unit
-    "E": ("Pa", 1e6, "softer than rubber", "GPa"),
-    "density": ("kg/m3", 5.0, "lighter than foam", "g/cm3"),
+MATERIALS = {  # field: its unit, the smallest value of a solid, what a smaller value means, other units and their values
+    "E": ("Pa", 1e6, "softer than rubber", {"GPa": 1e3, "MPa": 1e6}),
+    "density": ("kg/m3", 5.0, "lighter than foam", {"g/cm3": 5.0}),
 }
 
 
@@ -54,7 +54,7 @@ def suspicious(
     of all elements.
     """
     found = [
-        *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
+        *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_bearings(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
         *_partly_moving(values, kinds),
@@ -202,13 +202,17 @@ def _is_half(number):
     return (2.0 * number).is_integer()
 
 
-def _materials(sections):
+def _materials(values):
     """Yield (path, text) on moduli and densities that no solid has."""
-    for name, d in sections.items():
-        for field, (unit, least, what, other) in MATERIALS.items():
-            if 0.0 < d.get(field, 0.0) < least:
-                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it intended, or in {other}?"
-                yield ("sections", name, field), text
+    given = [("sections", name, d) for name, d in values["sections"].items()]
+    given += [("elements", name, d) for name, d in values["elements"].items() if "E" in d]
+    for section, name, d in given:
+        for field, (unit, least, what, others) in MATERIALS.items():
+            if 0.0 < (number := d.get(field) or 0.0) < least:
+                other = next(other for other, most in others.items() if number < most)
+                title = f"section '{name}'" if section == "sections" else f"{d['type']} '{name}'"
+                text = f"{title}: '{field}' is {number:g} {unit}, {what}; is it intended, or in {other}?"
+                yield (section, name, field), text
 
 
 def _tires(tire_laws):
