@@ -492,13 +492,14 @@ def test_a_mass_that_circles_far_in_each_step_is_reported(step, rho, reported, s
         assert float(texts[0].split("some ")[1].split(" %")[0]) == pytest.approx(100 * off, rel=0.1)
 
 
-@pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])
-def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("command", ["check", "modes --force", "modes --force --sweep elements.bar.mass=1,2"])
+def test_modes_and_check_say_that_they_compile(command, tmp_path, monkeypatch, capsys):
     """As a run does: nothing else is reported while it compiles."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("mecano.analyses.progress.while_compiling", lambda listener: nullcontext(listener(0, 1)))
     for quiet in ((), ("-q",)):
-        commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
+        name, *options = command.split()
+        commands([name, str(INPUTS / "pendulum.yaml"), *options, *quiet], standalone_mode=False)
         assert ("mecano: compiling elements used for the first time" in capsys.readouterr().err) == (not quiet)
 
 

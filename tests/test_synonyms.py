@@ -99,3 +99,15 @@ def test_without_a_name_all_are_listed():
 def test_an_entry_of_a_section_is_explained_by_the_section(name):
     """A user who wants to know what a ground has asks for it in the singular."""
     assert explain(name).startswith(f"{name.replace(' ', '_')}s (section of the deck)")
+
+
+@pytest.mark.parametrize("name", ["oleo_drop", "oleo_drop.yaml"])
+def test_the_name_of_an_example_is_explained_as_such(name):
+    text = explain(name)
+    assert text.startswith("oleo_drop (example deck): Drop test of an oleo-pneumatic strut\n")
+    assert "Known answer: SciPy integrates" in text and "mecano example oleo_drop " in text
+
+
+def test_a_kind_is_explained_before_the_example_of_its_name():
+    text = explain("bushing")
+    assert text.startswith("bushing (section ") and "bushing (example deck): " in text

@@ -23,9 +23,11 @@ def check(deck: str, overrides: tuple[str, ...], every: bool, quiet: bool) -> No
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
+    from mecano.analyses.progress import SweepProgress
     from mecano.analyses.summary import summary
 
-    text = summary(checked, every)
+    with SweepProgress(quiet, "").announcing_compiling():
+        text = summary(checked, every)
     if not quiet:
         show(text)
 

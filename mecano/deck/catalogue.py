@@ -16,6 +16,7 @@ from mecano.deck.describe import (
 )  # fmt: skip
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.plain_maths import plain_text
+from mecano.deck.sample_decks import example_text
 from mecano.deck.sections import SECTIONS
 from mecano.deck.synonyms import SYNONYMS, synonym, synonym_of_end
 from mecano.deck.units import ALONE, PREFIXED, PREFIXES
@@ -101,17 +102,20 @@ def catalogue() -> str:
 def explain(name: str) -> str:
     """Return the text on all kinds, terms of laws and sections of the deck with this name.
 
-    For a word of other programs, return the equivalents in mecano. Raises UsageError for an unknown name, with the most
-    similar ones.
+    For a word of other programs, return the equivalents in mecano, for an example deck how to see it. Raises UsageError
+    for an unknown name, with the most similar ones.
     """
     texts, known = _texts_on(name)
     for other in (re.sub("[ -]", "_", name), name.replace(" ", ".")):
         texts = texts or _texts_on(other)[0]
     meant = synonym(name) or (None if texts else synonym_of_end(name))
-    if not texts and not meant:
+    example = example_text(name)
+    if not texts and not meant and not example:
         raise UsageError(f"there is no kind, law or section {quoted(name)}; {_nearest(name, known)}")
     if meant:
         texts.append(_for_synonym(name, *meant, bool(texts)))
+    if example:
+        texts.append(example)
     return SEPARATOR.join(texts)
 
 

@@ -33,7 +33,7 @@ SUSPECT = {  # term of a law: the quantity that may be negative, its value, the 
 }
 MOST_NAMES = 3
 MEANT_DEGREES = "is {0:g} rad, more than a turn; is this intended? Degrees are written as '{0:g} deg'"
-MATERIALS = {  # field: its unit, the smallest value of a solid, what a smaller value means, other units and their values
+MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one means, other units and their largest values
     "E": ("Pa", 1e6, "softer than rubber", {"GPa": 1e3, "MPa": 1e6}),
     "density": ("kg/m3", 5.0, "lighter than foam", {"g/cm3": 5.0}),
 }

@@ -2,6 +2,7 @@
 
 import re
 from importlib.resources import files
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 STARTERS = files("mecano.deck") / "starters"
 EXAMPLES = files("mecano") / "inputs"  # in a clone a link to the folder inputs/
+TESTED_BY = re.compile(r",?\s*\(?tests/\w+\.py\)?")  # in comments
 TITLE = re.compile("^title: *(.+)$", re.MULTILINE)
 
 
@@ -57,6 +59,20 @@ def write_example(name: str, path: "str | os.PathLike[str]") -> list[str]:
             write_bytes(beside, file.read_bytes())
     write_text(path, known[name])
     return [file.name for file in needed]
+
+
+def example_text(name: str) -> str:
+    """Return a text that says what the example deck ``name`` is, and how to see it; "" for an unknown name."""
+    name = name.removesuffix(".yaml")
+    text = examples().get(name)
+    if text is None:
+        return ""
+    lines = takewhile(lambda line: line.startswith("#"), text.splitlines())
+    head = TESTED_BY.sub("", "\n".join(line.lstrip("# ") for line in lines))
+    return "\n".join([
+        f"{name} (example deck): {_title(text)}", "", head, "",
+        f"mecano example {name}    # writes {name}.yaml", f"mecano run {name}.yaml", "",
+    ])  # fmt: skip
 
 
 def _similar(name, known, command):
