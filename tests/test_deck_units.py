@@ -222,11 +222,12 @@ def test_units_of_named_laws_are_those_of_each_use(law, push, message, hint):
 
 
 def test_laws_are_declared_with_the_unit_of_their_argument():
-    """Except that of the signal 'curve', whose input may be anything."""
+    """Except those of the signal 'curve', whose input may be anything, and of coordinates, lengths or angles."""
     fields = [field for _, field in declared_fields()]
     laws = {field.doc: units_in(field) for field in fields if field.type.name in ("law", "curve", "drive")}
     assert [doc for doc, units in laws.items() if not all(units)] == [
-        "c, the value as a function of the input, both in SI units"
+        "f, both c_1 and c_2 in SI units: rad, m",
+        "c, the value as a function of the input, both in SI units",
     ]
 
 
@@ -251,6 +252,31 @@ def test_units_of_a_column_go_together():
     assert problems_of(text % ("N", "%")) == [f"{place}[0]': units of a column are inconsistent: 10 mm and 2 N{hint}"]
     (problem,) = problems_of(text % ("cm", "m"))
     assert "'table.points[2][1]': units of a column are inconsistent: 50 % and 0.5 m" in problem
+
+
+@pytest.mark.parametrize(
+    ("points", "odd"),
+    [
+        (
+            "[[0, 0], [30 deg, 1], [1.2, 2]]",
+            "'table.points[2][0]': units of a column are inconsistent: 30 deg and 1.2, w",
+        ),
+        (
+            "[[-0.5, 0], [0, 1], [10 mm, 2]]",
+            "'table.points[0][0]': units of a column are inconsistent: 10 mm and -0.5, w",
+        ),
+        ("[[0, 0], [1 m, 1], [1.2, 2]]", ""),
+        ("[[0, 0], [90 deg, 0.4], [180 deg, 50 %]]", ""),
+    ],
+)
+def test_numbers_alone_beside_units_are_in_si(points, odd):
+    """In a column of degrees or millimetres, where they are not meant so; not zero, which needs no unit."""
+    text = VALID.replace("smooth: 0.8", f"smooth: {{table: {{points: {points}}}}}")
+    if odd:
+        (problem,) = problems_of(text)
+        assert odd in problem
+    else:
+        assert read_fake(text).values["laws"]["smooth"]
 
 
 def test_a_parameter_with_a_unit_is_checked_where_it_stands_alone():

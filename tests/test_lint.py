@@ -6,7 +6,7 @@ from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses.prepare import prepare, startup_warnings, warnings_of
 from mecano.analyses.summary import summary
-from mecano.deck.read import read_deck
+from mecano.deck.read import deck_of_bytes, read_deck
 
 SUSPICIOUS_INPUTS = {
     "hoist": "bar 'wire' is strained by 0.4 % at the start"
@@ -164,6 +164,13 @@ def test_what_is_never_used():
         f"{at(begin + templates + outer, f'{name}: {{')}template '{name}' is not placed" for name in ("part", "outer")
     ]
     assert warned(begin + templates + outer) == spare
+
+
+def test_what_an_override_replaces_need_not_be_used():
+    """As the tyre law that the other cases of a study have."""
+    text = deck(HEAD + UNUSED).text
+    unused = [deck_of_bytes(text.encode(), "test.yaml", overrides=given).warnings for given in ((), ("time.end=2",))]
+    assert [len([w for w in found if "is not used" in w.message]) for found in unused] == [6, 0]
 
 
 def test_what_an_included_file_has_need_not_be_used(tmp_path):

@@ -46,12 +46,16 @@ NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that
 
 
 def suspicious(
-    values: "Values", root: "Node", used: Mapping[str, Container[str]], kinds: Mapping[str, Kind]
+    values: "Values",
+    root: "Node",
+    used: Mapping[str, Container[str]],
+    kinds: Mapping[str, Kind],
+    varied: bool = False,
 ) -> list[Problem]:
     """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 
     ``used`` is {section: names} of the parameters and named entries that the deck refers to; ``kinds`` is {name: Kind}
-    of all elements.
+    of all elements. ``varied`` is True for a deck with overrides, which may leave entries without a use.
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
@@ -59,7 +63,8 @@ def suspicious(
         *large_frictions(values), *_bearings(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
         *_partly_moving(values, kinds),
     ]  # fmt: skip
-    return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
+    unused = [] if varied else _unused(root, used)
+    return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
 
 
 def unplaced(templates: "Mapping[str, Mark]") -> list[Problem]:

@@ -130,6 +130,13 @@ def same_dimension(one: str, other: str) -> bool:
     return _dimension(_split(one)[1]) == _dimension(_split(other)[1])
 
 
+def is_in_si(text: str) -> bool:
+    """Return True if the unit of a valid quantity is that of SI, such as N m, without a prefix, or a share."""
+    found = parsed(_split(text)[1])
+    assert found is not None, f"{text!r} has no unit"
+    return found[0] == 1.0 or found[1] == NONE
+
+
 def si_unit(text: str) -> str:
     """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
     unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], _split(text)[1])

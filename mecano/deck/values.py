@@ -13,7 +13,16 @@ from typing import Any
 from mecano.deck.compose import Given, Node
 from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope
-from mecano.deck.units import UnitError, converted, go_together, is_quantity, same_dimension, unit_of, written_in_si
+from mecano.deck.units import (
+    UnitError,
+    converted,
+    go_together,
+    is_in_si,
+    is_quantity,
+    same_dimension,
+    unit_of,
+    written_in_si,
+)
 from mecano.deck.wording import quoted
 from mecano.schema import LINE, NODE, NODE_SET, NUMBER, NUMBERS, SECTION_OF, Field, Type
 
@@ -240,11 +249,19 @@ def _alike(node, i, field, scope):
     texts = [_with_unit(cell.value, scope) if type(cell.value) is str else "" for cell in cells]
     first = next(filter(None, texts), "")
     odd = next((n for n, text in enumerate(texts) if text and not same_dimension(first, text)), None)
+    if odd is None and first and not is_in_si(first):  # numbers alone are
+        odd = next((n for n, cell in enumerate(cells) if _is_bare(cell.value)), None)
     if odd is None:
         return True
     of = f"{quoted(scope.name_of(f'{field.name}[{odd}][{i}]'))}: units of a column are inconsistent"
-    scope.refuse(cells[odd], f"{of}: {first} and {texts[odd]}", f"give each a unit as that of {first}, or none")
+    other = texts[odd] or f"{cells[odd].value}, which has none"
+    scope.refuse(cells[odd], f"{of}: {first} and {other}", f"give each a unit as that of {first}, or none")
     return False
+
+
+def _is_bare(value):
+    """Return whether a value is a number other than zero without a unit."""
+    return type(value) in (int, float) and value != 0
 
 
 def _with_unit(text, scope):
