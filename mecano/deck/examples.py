@@ -10,6 +10,7 @@ EXAMPLES = {
     "point_mass": "ballast: {type: point_mass, node: rod, mass: 2 kg}",
     "rigid_body":
         "crank: {type: rigid_body, node: crank, mass: 1.2 kg, inertia: [1.0e-3, 2.0e-2, 2.0e-2], attached: [pin]}",
+    "attitude": "gyro: {type: attitude, node: rod}",
     "rigid_link": "arm: {type: rigid_link, nodes: [crank, pin]}",
     "hinge": "elbow: {type: hinge, nodes: [crank, rod], axis: [0, 1, 0], stops: {lower: -30 deg, upper: 120 deg}}",
     "spherical": "ball: {type: spherical, nodes: [crank, rod]}",

@@ -217,10 +217,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "formulas of the motion of the body: chassis.angular_velocity.z; chassis.velocity.magnitude times it, in a "
         "steady turn (docs/tyres.md, A car)",
     ),
-    "attitude, yaw, heading, pitch, euler, quaternion, attitude control": (
-        "signals orientation held_rotation",
-        "angles that signals read: those of joints, or of the line between two nodes of the body, "
-        "atan2(nose.position.y - tail.position.y, nose.position.x - tail.position.x) (docs/signals.md)",
+    "yaw, roll, heading, pitch, euler, euler angles, gyro, imu, quaternion, attitude control": (
+        "attitude signals orientation held_rotation",
+        "an attitude gives yaw, pitch and roll of a node as outputs, which signals read; so are the angles of joints",
     ),
     "harmonic drive, strain wave gear, gear ratio, reducer, speed reducer": (
         "coupler torsion_spring_damper gear_pair",

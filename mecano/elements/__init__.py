@@ -7,6 +7,7 @@ MODULES = {
     "point_mass": "bodies.point_mass",
     "rigid_body": "bodies.rigid_body",
     "rigid_link": "bodies.rigid_link",
+    "attitude": "bodies.attitude",
     "hinge": "joints.hinge",
     "spherical": "joints.spherical",
     "universal": "joints.universal",

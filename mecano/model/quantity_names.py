@@ -16,8 +16,8 @@ from mecano.schema import Values
 
 Entries: TypeAlias = Mapping[tuple[str, str], tuple[Kind, Values]]  # (section, name) -> kind and deck values
 OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to read instead
-    "rotation": "read the angle of a joint, or compute an angle from the positions of two nodes of the body: "
-    "atan2(nose.position.y - body.position.y, nose.position.x - body.position.x)",
+    "rotation": "read the angle of a joint, or add an element of the type 'attitude' with this node and read its yaw, "
+    "pitch or roll",
     "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
 }
 RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an output with another name may be given
