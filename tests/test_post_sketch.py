@@ -12,7 +12,7 @@ from mecano.elements import KINDS
 from mecano.post.draw_sketch import draw_sketch, hull, zigzag
 from mecano.post.ground import ground_patch
 from mecano.post.runs import open_runs
-from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
+from mecano.post.shapes import BODY, JOINT, MASS, SPRING, SUPPORT, WHEEL, Shape
 from mecano.post.sketch import _instants, _shift, plane_axes, sketch
 from mecano.post.view_direction import direction, projection
 
@@ -114,6 +114,8 @@ def test_a_narrow_mechanism_that_moves_is_shown_side_by_side():
     assert np.all(np.diff(shift[:, 0]) > 0.25) and not shift[:, 1].any()  # a zigzag is 0.2 of its length wide
     still = Shape(SPRING, "strut", np.repeat(points[:1], 3, axis=0))
     assert not _shift([still], side, None).any()
+    ball = Shape(MASS, "ball", points[:, 1:])
+    assert not _shift([ball], side, None).any()  # of which the path is shown
     wide = Shape(BODY, "table", points + np.array([[0.0, 0, 0], [0.5, 0, 0]]))
     assert not _shift([wide], side, None).any()
 

@@ -19,6 +19,7 @@ FAR = 6.0  # widths: a mechanism that travels farther is shown side by side, not
 PITCH = 1.25  # spacing side by side, in widths
 UPRIGHT = 0.35  # width over height of a mechanism, below which it is shown side by side, and the spacing
 WIDE = 0.38  # height over width of a picture that is as wide as several panels
+STANDS = 0.5  # of the height of all instants: the height of such a mechanism at one of them
 MOVES = 0.02  # of the height: a mechanism that moves less is shown in place
 PATHS = 12  # most paths of points shown
 STILL = 1e-3  # of the size of the picture: a point that moves less has no path
@@ -167,7 +168,7 @@ def _shift(drawn, matrix, up):
     width, middle = np.max((high - low)[:, 0]), 0.5 * (low + high)
     shift = np.zeros((len(flat), 2))
     pitch = PITCH * width
-    if _is_upright(flat):
+    if _is_upright(flat) and any(s.points.shape[1] > 1 for s in drawn):
         pitch = max(pitch, UPRIGHT * np.ptp(flat[..., 1]))
     elif np.ptp(middle, axis=0).max() <= FAR * width or not width:
         return shift
@@ -181,9 +182,10 @@ def _shift(drawn, matrix, up):
 
 
 def _is_upright(flat):
-    """Return whether a mechanism that moves is so narrow that it would hide itself if shown in place."""
+    """Return whether a mechanism that moves is so narrow and high that it would hide itself if shown in place."""
     width, height = np.ptp(flat.reshape(-1, 2), axis=0)
-    return width < UPRIGHT * height and np.ptp(flat, axis=0).max() > MOVES * height
+    stands = np.ptp(flat[..., 1], axis=1).max() > STANDS * height  # otherwise something small that rises or falls
+    return stands and width < UPRIGHT * height and np.ptp(flat, axis=0).max() > MOVES * height
 
 
 def _patches(run, drawn, matrix, shift):
