@@ -21,6 +21,13 @@ def path(tmp_path_factory):
     return every_kind.write(tmp_path_factory.mktemp("film") / "each.h5", kinds=SHOWN)
 
 
+def test_the_view_of_a_line_has_room_for_it_and_the_title():
+    """A strut that strokes upright, a row of balls, one point at rest."""
+    for extent in ((0.0, 1.2), (1.2, 0.0), (0.0, 0.0), (3.0, 2.0)):
+        width, height = 2.0 * film.half_widths(np.array(extent))
+        assert width > max(extent[0], 0.5 * extent[1]) and height > max(extent[1], 0.15 * extent[0])
+
+
 @pytest.mark.parametrize("ending", [".gif", ".webp", ".mp4"])
 def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
     """The frames of a film differ, and the colour of the stress is in them."""

@@ -1,16 +1,18 @@
 """What pages and pictures in space show: forces, rigid motions of flexible parts, the direction of the eye."""
 
+import every_kind
 import numpy as np
 import pytest
 from process import mecano_process, settings
 from time_runs import INPUTS
 
+from mecano.elements import KINDS
 from mecano.post.animation import FILES, page_text
 from mecano.post.deformation import flexible_parts, quaternions, rigid_fit
 from mecano.post.forces import arrows
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import ROD, Motion, Shape, shapes, vertical
+from mecano.post.shapes import ROD, WHEEL, Motion, Shape, shapes, vertical
 from mecano.post.view_direction import direction, eye, projection
 
 
@@ -160,3 +162,13 @@ def test_pitch_circles_touch_and_roll_on_one_another(tmp_path):
             across = np.linalg.norm(np.cross(spokes[0, 0], spokes[:20, 0]), axis=1)
             travels.append(radius * np.arctan2(across, spokes[:20, 0] @ spokes[0, 0]))
         np.testing.assert_allclose(*travels, atol=1e-12)
+
+
+def test_every_kind_is_in_the_scene(tmp_path):
+    """A wheel on a body names its hub as the second of two nodes."""
+    [run] = open_runs([every_kind.write(tmp_path / "all.h5", kinds=KINDS)])
+    scene = scene_of(run, 3)
+    wheels = {shape.name for shape in scene.shapes if shape.style == WHEEL}
+    assert {f"one_{name}" for name, kind in KINDS.items() if kind.display.shape in ("wheel", "wheel_on_body")} <= wheels
+    assert all(orientation.radius > 0.0 for shape, orientation in zip(scene.shapes, scene.orientations, strict=True)
+               if shape.style == WHEEL)  # fmt: skip

@@ -38,6 +38,7 @@ LINES = {
 }
 MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
 COLOURS = "viridis"
+SHORTEST = np.array([0.6, 0.2])  # width over height of the view, and height over width: a strut is a line, too
 
 
 def film(path: "str | os.PathLike[str]", target: "str | os.PathLike[str]", title: str | None = None) -> Path:
@@ -77,6 +78,12 @@ def _write(scene, target, writer, title):
         raise ResultsError(f"{writer} fails to write the film: {lines[-1] if lines else error}") from error
 
 
+def half_widths(extent: np.ndarray) -> np.ndarray:
+    """Return the half widths (2,) of the view of a mechanism of an extent (2,) [m], for which there are axes to see."""
+    shown = MARGIN * np.maximum(extent, SHORTEST * extent.max(initial=0.0))
+    return 0.5 * np.where(shown > 0.0, shown, 1.0)
+
+
 class _Picture:
     """The axes of the film, and the artists updated from frame to frame."""
 
@@ -102,7 +109,7 @@ class _Picture:
         shift = scene.middle[:, None] if scene.follow else 0.0
         flat = np.concatenate([self._flat(s.points - shift).reshape(-1, 2) for s in scene.shapes])
         low, high = flat.min(axis=0), flat.max(axis=0)
-        self._middle, self._half = 0.5 * (low + high), 0.5 * MARGIN * np.maximum(high - low, 1e-3 * np.ptp(flat))
+        self._middle, self._half = 0.5 * (low + high), half_widths(high - low)
 
     def _line(self, shape):
         colour, width = LINES.get(shape.style, (GREY, 1.0))

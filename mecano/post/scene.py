@@ -180,7 +180,8 @@ def _orientation(motion, shape):
     """Return the Orientation of a wheel, body or joint with an axis."""
     path, d = _deck_of(motion.run, shape)
     if shape.style == WHEEL:
-        return Orientation(motion.turn(d["node"]), motion.turned(d["node"], d["axis"]), wheel_of(shape)[2])
+        hub = shape.nodes[-1]
+        return Orientation(motion.turn(hub), motion.turned(hub, d["axis"]), wheel_of(shape)[2])
     if shape.style == BODY:
         return Orientation(motion.turn(shape.nodes[0]))
     axis = d.get("axis") if path.startswith("joints/") and shape.style == JOINT else None
