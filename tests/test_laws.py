@@ -323,6 +323,7 @@ def test_a_curve_along_a_line_is_the_curve_of_the_line(case, offset):
     if law is None:
         assert name == "power" and offset
         return
+    assert all(type(point) is list for _, own in law for point in own.get("points", ()))  # as resolved decks write them
     (laws, start), (moved, first) = packed((name, values)), packed(*law)
     for s in points_away_from(corners, np.random.default_rng(3)):
         found, of_line = evaluate_curve(moved, first, (s - offset) / 1.7), evaluate_curve(laws, start, s)

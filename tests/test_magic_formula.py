@@ -16,6 +16,7 @@ from mecano.elements.wheels.magic_formula import EXAMPLE, MAGIC_FORMULA, relaxat
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.errors import DeckError
+from mecano.laws.probe import curve_at
 from mecano.maths.vector import Vec3
 
 CAR = read(INPUTS / "passenger_car.tir")
@@ -221,6 +222,32 @@ def test_radius_and_radial_law_are_those_of_the_file(tmp_path):
     assert isinstance(checked, Deck) and list(checked.files) == ["own.tir"]
     again = deck_of_bytes(json.dumps(checked.resolved()).encode(), "again.yaml")
     assert again.values["tire_laws"]["car"] == law
+
+
+CURVE = "[DEFLECTION_LOAD_CURVE]\n{pen fz}\n0 0\n0.01 2000 $ stiffer than linear\n0.02, 4500\n"
+
+
+def test_the_deflection_load_curve_of_a_file_is_the_radial_law(tmp_path):
+    """Also in millimetres and kilonewtons; its loads grow with the pressure as those of the stiffness do."""
+    one = with_file(tmp_path, ORIGINAL + CURVE).values["tire_laws"]["car"]
+    pressed = 1.0 + 0.7 * (240e3 / 220e3 - 1.0)
+    for w, F in ((0.0, 0.0), (0.01, 2000.0), (0.02, 4500.0)):
+        assert curve_at(one["radial"], w)[0] == pytest.approx(pressed * F, rel=1e-12)
+    assert curve_at(one["radial"], 0.03)[0] > pressed * 6900.0  # along the end tangent
+    text = ORIGINAL + CURVE.replace("0.01 2000", "10 2").replace("0.02, 4500", "20, 4.5")
+    text = (
+        text.replace("'meter'", "'mm'").replace("'newton'", "'kN'").replace("= 0.32", "= 320").replace("= 4000", "= 4")
+    )
+    other = with_file(tmp_path, text).values["tire_laws"]["car"]
+    np.testing.assert_allclose(other["radial"][0][1]["points"], one["radial"][0][1]["points"], rtol=1e-12)
+    again = deck_of_bytes(json.dumps(with_file(tmp_path, ORIGINAL + CURVE).resolved()).encode(), "again.yaml")
+    assert again.values["tire_laws"]["car"]["radial"] == one["radial"]
+
+
+@pytest.mark.parametrize("rows", ["0 0\n", "0 0\n0.02 1\n0.01 2\n", "0 0\n0.01 x\n"])
+def test_a_curve_that_is_none_is_refused(tmp_path, rows):
+    with pytest.raises(DeckError, match="in ascending order|not a deflection and a load"):
+        with_file(tmp_path, f"{ORIGINAL}[DEFLECTION_LOAD_CURVE]\n{rows}")
 
 
 def test_units_of_the_file(tmp_path):

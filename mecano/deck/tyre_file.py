@@ -2,6 +2,7 @@
 
 import math
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from mecano.deck.named_file import source_of
@@ -30,19 +31,24 @@ POWERS = {  # of length, force, angle, time in the unit of a key; numbers withou
     **dict.fromkeys(("VERTICAL_STIFFNESS", "LONGITUDINAL_STIFFNESS", "LATERAL_STIFFNESS"), (-1, 1, 0, 0)),
     **dict.fromkeys(("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX"), (0, 0, 1, 0)),
 }  # fmt: skip
+CURVE = "[DEFLECTION_LOAD_CURVE]"
 VERSIONS = {5: 5.2, 6: 5.2, 21: 5.2, 60: 6.1, 61: 6.1, 62: 6.2}  # of the numbers FITTYP
 FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
 
 
-def read_tyre(name: str, node: "Node", scope: "Scope") -> dict[str, float] | None:
-    """Return the coefficients used by the Magic Formula (dict) from a file named in the deck at ``node``.
+def read_tyre(name: str, node: "Node", scope: "Scope") -> tuple[dict[str, float], list[list[float]]] | None:
+    """Return what the Magic Formula uses of a file named in the deck at ``node``.
 
-    Return None, with errors noted, if it cannot be read, is for another formula or contains an invalid number.
+    That is its coefficients, and the points (deflection [m], load [N]) of its section [DEFLECTION_LOAD_CURVE], empty
+    without one. Return None, with errors noted, if it cannot be read, is for another formula or contains an invalid
+    number.
     """
     source = source_of(name, node, scope)
     if source is None:
         return None
-    return _Reading(source, node, name, scope).coefficients()
+    reading = _Reading(source, node, name, scope)
+    found = reading.coefficients()
+    return None if found is None else (found, reading.curve)
 
 
 class _Reading:
@@ -50,12 +56,14 @@ class _Reading:
 
     def __init__(self, source, node, name, scope):
         self.source, self.node, self.name, self.scope = source, node, name, scope
-        self.texts, self.sizes = {}, dict.fromkeys(UNITS, 1.0)
+        self.texts, self.sizes, self.curve = {}, dict.fromkeys(UNITS, 1.0), []
 
     def coefficients(self):
         """Return {name: number in SI units} of the coefficients that the formula uses."""
         before = len(self.scope.problems)
         self._read()
+        if len(self.curve) == 1 or any(a[0] >= b[0] for a, b in pairwise(self.curve)):
+            self._refuse(f"has {CURVE} with {len(self.curve)} point(s): two are needed, in ascending order")
         version = self._version()
         if len(self.scope.problems) > before or version is None:
             return None
@@ -79,6 +87,15 @@ class _Reading:
                 self.texts[key] = value
                 if section == "UNITS" and key in UNITS:
                     self._unit(key, value)
+            elif section == CURVE.strip("[]") and text[:1].lstrip("-.").isdigit():
+                self._point(text)
+
+    def _point(self, text):
+        numbers = [number(word) for word in re.split(r"[$!]", text)[0].replace(",", " ").split()]
+        if len(numbers) != 2 or not all(one is not None and math.isfinite(one) for one in numbers):
+            self._refuse(f"has {quoted(text)} in {CURVE}, which is not a deflection and a load")
+            return
+        self.curve.append([float(numbers[0]) * self.sizes["LENGTH"], float(numbers[1]) * self.sizes["FORCE"]])
 
     def _unit(self, key, word):
         known = UNITS[key]

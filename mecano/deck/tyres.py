@@ -76,7 +76,12 @@ def _with_file(values, entry, scope):
         found = read_tyre(values["file"], node.value["file"][1], scope)
         if found is None:
             return False
-        values |= {"coefficients": found, "file": None}
+        coefficients, curve = found
+        values |= {
+            "coefficients": coefficients,
+            "file": None,
+            "deflection_load": values["deflection_load"] or curve or None,
+        }
     given = values["coefficients"]
     if values["turn_slip"] is None:
         known = abs(int(given.get("USE_MODE", 0))) % 10 == WITH_TURN_SLIP

@@ -101,7 +101,7 @@ ACCELERATION = Term(
     integral=motion_integral,
     shape=shape,
     along_line=lambda values, slope, offset: {
-        "points": [((t - offset) / slope, a) for t, a in values["points"]],
+        "points": [[(t - offset) / slope, a] for t, a in values["points"]],
         "factor": values["factor"] * slope * slope, "initial_rate": values["initial_rate"] * slope,
     },
     check=some_points,

@@ -32,9 +32,10 @@ from mecano.elements.wheels.magic_turn_slip import of_camber, turned, turning_mo
 from mecano.elements.wheels.slip_law import TORSIONAL_STIFFNESS, Carcass, SlipForces, SlipLaw, check_twist, slipping
 from mecano.elements.wheels.turn_slip import turning_rate
 from mecano.jit.kernel import kernel
+from mecano.laws.tabulated import two_increasing
 from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
-from mecano.schema import BOOLEAN, NUMBER, TEXT, Field, mapping, named, positive
+from mecano.schema import BOOLEAN, NUMBER, POINTS, TEXT, Field, mapping, named, positive
 
 NEEDED = "FNOMIN UNLOADED_RADIUS PCX1 PDX1 PKX1 PCY1 PDY1 PKY1 PKY2".split()
 ONE = (  # coefficients, such as scaling factors, that are 1 if a file does not give them
@@ -69,10 +70,15 @@ LEAST_LOAD = 1e-3  # of the nominal load: below it, force and moments are propor
 LEAST_GRIP = 1e-6  # lower bound of the factor on the friction
 CREEP = 0.1  # creep length of the carcass, relative to the relaxation length
 
+UNREAD = {"file": None, "columns": None, "units": None}  # of a table
 RECORD = {**dict.fromkeys((*NEEDED, *DEFAULTS), ()), "pressure": (), "least_speed": (), "side": ()}
 FIELDS = (
     Field("file", TEXT, "-", "a .tir file of version 5.2, 6.1 or 6.2 in the folder of the deck", None),
     Field("coefficients", named(NUMBER), "-", "the coefficients of such a file in SI units, instead of 'file'", None),
+    Field(
+        "deflection_load", POINTS, "m, N", "deflections, loads; when absent, DEFLECTION_LOAD_CURVE of the file", None,
+        two_increasing,
+    ),
     Field("pressure", NUMBER, "Pa", "inflation pressure; that of the file when absent", None, positive),
     Field("mirrored", BOOLEAN, "-", "true for a tyre on the other side of the vehicle than in the file", False),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which slips no longer grow as 1/speed", 1.0, positive),
@@ -136,6 +142,9 @@ def completed(law):
     if slope > 0.0:
         numbers = [0.0, pressed * load * slope / R0, pressed * load * bend / R0**2]
         found["radial"] = (("polynomial", {"coefficients": numbers}),)
+    if points := law["magic_formula"]["deflection_load"]:
+        loads = [[w, pressed * F] for w, F in points]
+        found["radial"] = (("table", {**UNREAD, "points": loads, "interpolation": "cubic", "beyond": "extend"}),)
     if c["VERTICAL_DAMPING"] > 0.0:
         found["radial_damping"] = c["VERTICAL_DAMPING"] / load
     return found
