@@ -177,6 +177,7 @@ class GeneralizedAlpha:
             substitute_words=kept.words,
         )  # fmt: skip
         self._packed = new, kept
+        self._light.forget(self.workspace)
 
     def consistent(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, Consistent]:
         """Return a consistent state for steps of size h, and its Consistent.
@@ -215,7 +216,7 @@ class GeneralizedAlpha:
         """
         w = self.workspace
         w.held = None
-        w.put_state(BEGIN, s)
+        self._light.begin(w, s)
         w.put_history(history)
         w.point_to(next_h=h, factored=0)
         change_step(w.record)
@@ -285,8 +286,7 @@ class GeneralizedAlpha:
         """
         self.workspace.record["strict"] = strictly
         if strictly:
-            light = self._light.at(self.workspace.state(BEGIN, self.workspace.phases.copy()))
-            self.workspace.point_to(n_light=len(light), light=light)
+            self._light.enter(self.workspace)
 
     def ordinary_steps(
         self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
@@ -327,6 +327,8 @@ class GeneralizedAlpha:
         if history.tangent is not None and self.linear.label is not history.tangent:
             self._factor(history.tangent, self._scales(history, h))
         self.workspace.put_state(BEGIN, s0)
+        if not self.workspace.record["knows_light"][0]:
+            self._light.enter(self.workspace)
         self._enter(history, h)
 
     def _enter(self, history, h):

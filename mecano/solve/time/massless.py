@@ -7,10 +7,12 @@ import numpy as np
 from mecano.maths.distinct import distinct
 from mecano.model.numbering import ROTATION, TRANSLATION, Classes
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
+from mecano.solve.time.workspace import BEGIN
 
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
+    from mecano.solve.time.workspace import Workspace
 
 
 def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray:
@@ -34,10 +36,16 @@ def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray
 
 
 class LightUnknowns:
-    """The unknowns without mass of a system: scalars, and nodes that move in massless motions."""
+    """The unknowns without mass of a system: scalars, and nodes that move in massless motions.
+
+    The workspace of a step has those of its phases once they are needed (``knows_light``), before them the scalars.
+    """
 
     def __init__(self, system: "System", length: float):
         self._system, self._length = system, length
+        kind = system.numbering.kind[: system.n_q]
+        self._some_of_nodes = bool(np.any(~_heavy(system) & ((kind == TRANSLATION) | (kind == ROTATION))))
+        self._scalars = np.flatnonzero(system.massless)
         self._in_phases: dict[bytes, np.ndarray] = {}
 
     def at(self, s: "State") -> np.ndarray:
@@ -45,8 +53,23 @@ class LightUnknowns:
         key = s.phases.tobytes()
         if key not in self._in_phases:
             of_nodes = massless_unknowns(self._system, s, self._length)
-            self._in_phases[key] = np.union1d(np.flatnonzero(self._system.massless), of_nodes).astype(np.int64)
+            self._in_phases[key] = np.union1d(self._scalars, of_nodes).astype(np.int64)
         return self._in_phases[key]
+
+    def begin(self, w: "Workspace", s: "State") -> None:
+        """Enter the state ``s`` as that at BEGIN into a workspace; in other phases its unknowns are to be found."""
+        if self._some_of_nodes and not np.array_equal(w.phases, s.phases):
+            self.forget(w)
+        w.put_state(BEGIN, s)
+
+    def forget(self, w: "Workspace") -> None:
+        """Enter the scalars alone into a workspace, which the step completes where it must."""
+        w.point_to(n_light=len(self._scalars), light=self._scalars, knows_light=not self._some_of_nodes)
+
+    def enter(self, w: "Workspace") -> None:
+        """Enter all of them, in the phases at BEGIN, into a workspace."""
+        light = self.at(w.state(BEGIN, w.phases.copy()))
+        w.point_to(n_light=len(light), light=light, knows_light=True)
 
 
 def held_by_lines(system: "System", i: int) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent, most_kept
 from mecano.solve.time.increments import carried_history, finish, predict
-from mecano.solve.time.relaxed_error import relaxed, remembered
+from mecano.solve.time.relaxed_error import relax_errors
 from mecano.solve.time.step_control import FORGOTTEN, SUDDEN, allowed, counted
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -85,8 +85,11 @@ def complete(w):
     for i in range(w.n_massless):
         largest = max(largest, abs(ended[massless[i]] - began[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
-    if counted(w.lag, FORGOTTEN, w.duration, w.h) > allowed(w.tolerance, w.duration, w.h) and w.usable:
-        w.lag = remembered(w.lag, relaxed(w, began, ended) / w.length)
+    error = counted(w.lag, FORGOTTEN, w.duration, w.h)
+    if w.n_light > w.n_massless:
+        error = max(error, w.error * w.h * w.h * w.change)
+    if error > allowed(w.tolerance, w.duration, w.h) and w.usable:
+        relax_errors(w, began, ended)
     w.next_known = min(w.known + 1, 2)
     w.next_has, w.next_age, w.next_drift, w.next_spent = choose_tangent(
         w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.most, w.n

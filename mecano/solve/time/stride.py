@@ -120,7 +120,7 @@ def tried(m, w, o):
     within = plain <= share or w.h < m.minimum
     error = plain if within else bounded(m, w, plain)
     if not (within or error <= share):
-        if w.h <= m.minimum or not reject(m, w, plain, share):
+        if w.h <= m.minimum or not (w.knows_light and reject(m, w, plain, share)):
             return REPEAT if m.rejections else DECIDE
         return AGAIN
     if happens(m, w, state_of(w, TRIAL)) or passes(m, w):

@@ -1,4 +1,4 @@
-"""A patch without inertia whose wheel is unloaded until it slides: its rate jumps, its displacement does not."""
+"""Unknowns without mass that begin to slide, of a tyre and of a node: rates that jump, displacements that do not."""
 
 import numpy as np
 import pytest
@@ -57,3 +57,33 @@ def test_a_patch_slides_where_the_friction_balances_the_tyre(angle, length, damp
     friction = FRICTION * STIFFNESS * depth * (1.0 + damping * rate)
     assert np.hypot(along, across) == pytest.approx(friction, rel=1e-3)  # the rate of the height is of second order
     assert -LATERAL * y == pytest.approx(across - psi * along, rel=1e-6)
+
+
+JENKINS = """
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0]}}, s: {{position: [1, 0, 0]}}}}
+    elements:
+      mass: {{type: point_mass, node: a, mass: 1}}
+      spring: {{type: spring_damper, nodes: [a, s], law: {{spring: 1000}}}}
+    joints:
+      guide: {{type: prismatic, nodes: [ground, a], axis: [1, 0, 0]}}
+      slider:
+        {{type: prismatic, nodes: [ground, s], axis: [1, 0, 0],
+         sliding_law: {{dry_friction: {{force: 10, regularization: {regularization}}}}}}}
+    initial: {{velocities: [{{nodes: [a], velocity: [1, 0, 0]}}]}}
+    time: {{end: 0.2, step: 1 ms, adaptive: {{tolerance: {tolerance}}}}}
+"""
+
+
+@pytest.mark.parametrize(("regularization", "tolerance"), [(1e-3, 1e-4), (1e-3, 1e-5), (1e-3, 1e-6), (1e-5, 1e-4)])
+def test_a_node_without_mass_between_a_spring_and_dry_friction(regularization, tolerance):
+    """The mass m = 1 slides by d = (m v^2/2 - F^2/(2 k))/F, with F/k of the spring; then the spring swings to -F/k.
+
+    The slider creeps by less than the regularization times the duration.
+    """
+    run = RecordedRun(deck(JENKINS.format(tolerance=tolerance, regularization=regularization)))
+    slid, given = run["nodes/s/position"][:, 0] - 1.0, run["nodes/a/position"][:, 0]
+    creep = 2.0 * tolerance + 0.2 * regularization
+    assert slid.max() == pytest.approx((0.5 - 0.05) / 10.0, abs=creep)
+    assert given.max() == pytest.approx(0.045 + 0.01, abs=creep)
