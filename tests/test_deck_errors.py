@@ -439,6 +439,12 @@ def test_parameters_by_another_name_are_refused_once():
     assert problems_of(text) == ["3:1 unknown key 'variables'; here it is called 'parameters'"]
 
 
+def test_a_key_that_is_a_word_of_a_longer_one():
+    """Its letters are nearer to other keys: 'time' to 'type'."""
+    found = problems_of(VALID + "signals: {late: {type: lag, input: time, time: 1 s}}\n")
+    assert found[-1].endswith("lag 'late': unknown key 'time'; did you mean 'time_constant'?")
+
+
 def test_all_problems_of_a_step_at_once():
     text, expected = VALID, set()
     for old, new, line, _, problem in STRUCTURE[4:]:

@@ -37,6 +37,7 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
     ),
 }  # fmt: skip
 FEW = 8  # kinds that have a field, which are named
+MOST_LONGER = 2  # names of keys that contain the unknown one as a word
 UNKNOWN_KIND = "`mecano list` lists all; the file of a plugin is named by --plugin, in Python by mecano.load_plugin"
 
 
@@ -87,6 +88,9 @@ def _meant(key, known, fields, field, scope):
             return hint
     if not similar(key, sorted(known)) and (kinds := _kinds_with(key, field, scope)):
         return f"it is a field of {', '.join(kinds)}"
+    longer = [quoted(name) for name in sorted(allowed) if key in name.split("_")]
+    if 0 < len(longer) <= MOST_LONGER:
+        return f"did you mean {' or '.join(longer)}?"
     near = similar(key, sorted(allowed))
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
