@@ -531,3 +531,33 @@ def test_a_mesh_with_more_nodes_than_initial_velocities_name():
     assert not boom(4, "[a, b, boom.1, boom.2, boom.3]").warnings and not boom(8, "[a, b]").warnings
     (warning,) = boom(8, "[a, b, boom.1, boom.2, boom.3]").warnings
     assert "names nodes of 'boom', but not boom.4, boom.5, boom.6, and 1 more; 'boom' itself" in warning.message
+
+
+LATCH = """
+    mecano: 1
+    gravity: none
+    nodes: {arm: {position: [0, 0, 0]}}
+    elements: {arm: {type: rigid_body, node: arm, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+    joints:
+      pin: {type: hinge, nodes: [ground, arm], axis: [0, 1, 0], latch: {angle: 1.5}, LAW}
+    MORE
+    time: {end: 0.2, step: 0.001}
+    """
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "warned"),
+    [
+        ("turning_law: {spring: 40}, natural_angle: 1.6", "", False),
+        ("turning_law: {spring: 40}, natural_angle: -1.6", "", True),
+        ("turning_law: {preload: -3}", "", False),
+        ("turning_law: {preload: 3}", "", True),
+        ("turning_law: {preload: 3}", "loads: {motor: {type: joint_moment, joint: pin, value: 9}}", False),
+        ("turning_law: {spring: 40}, natural_angle: -time", "", False),
+        ("turning_law: {damper: 3}", "", False),
+    ],
+)
+def test_a_law_that_pushes_away_from_the_latch(law, more, warned):
+    found = [w.message for w in deck(LATCH.replace("LAW", law).replace("MORE", more)).warnings]
+    assert len(found) == warned
+    assert not warned or "'turning_law' pushes it away from its latch at the start; is a sign wrong" in found[0]

@@ -60,7 +60,7 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
-        *large_frictions(values), *_bearings(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
+        *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
         *_partly_moving(values, kinds),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
@@ -162,12 +162,16 @@ def _leaves(fields, values, path=""):
             yield field, f"{path}{field.name}", value
 
 
-def _bearings(values, kinds):
-    """Yield (path, text) on joints whose axes are not those of what they carry; few decks need both checks."""
+def _joints(values, kinds):
+    """Yield (path, text) on joints whose axes or latches are not where they should be; few decks need these checks."""
     if any("wheels" in kinds[d["type"]].display.pictures for d in values["elements"].values()):
         from mecano.deck.wheel_bearings import misplaced_bearings
 
         yield from misplaced_bearings(values, kinds)
+    if any(d.get("latch") for d in values["joints"].values()):
+        from mecano.deck.latches import latches_pushed_away
+
+        yield from latches_pushed_away(values)
     if len(values["joints"]) > 1:
         from mecano.deck.bound_joints import binding_joints
 
