@@ -55,12 +55,13 @@ PLOTS = {
     "yo_yo_despin": "axle.rate",
 }
 FILMS = (
-    "andrews", "ball_in_pipe", "beam_spin_up", "belt_drive", "bicycle", "block_and_tackle", "bricard", "cam",
-    "cam_float", "car", "controlled_double_pendulum", "crane", "deployment_lock", "double_pendulum", "flat_follower",
-    "flexible_pendulum", "flexible_ring", "flexible_slider_crank", "flyball_governor", "four_bar", "gears",
-    "heavy_top", "mecanum", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "paper_disc",
-    "pendulum", "reflector", "rocking_block", "rods", "rolling_disc", "slider_crank", "snap_pin", "solar_array",
-    "spherical_pendulum", "stewart", "synchronised_panels", "twin_wheel_gear", "woodpecker",
+    "andrews", "ball_in_pipe", "ball_on_turntable", "beam_spin_up", "belt_drive", "bicycle", "block_and_tackle",
+    "bricard", "cam", "cam_float", "car", "controlled_double_pendulum", "crane", "crosswind_landing",
+    "deployment_lock", "double_pendulum", "flat_follower", "flexible_pendulum", "flexible_ring",
+    "flexible_slider_crank", "flyball_governor", "four_bar", "gears", "heavy_top", "main_gear", "mecanum",
+    "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "panel_release", "paper_disc", "pendulum",
+    "reflector", "rocking_block", "rods", "rolling_disc", "ship_deck", "slider_crank", "snap_pin", "solar_array",
+    "spherical_pendulum", "stewart", "synchronised_panels", "twin_wheel_gear", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
 FILM_WIDTH, FILM_STEP, FILM_QUALITY = 280, 4, 50  # pixels; every fourth frame
