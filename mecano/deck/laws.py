@@ -16,12 +16,13 @@ from mecano.schema import NUMBER, TIME_CURVE, Field, Type, Values
 
 Law: TypeAlias = tuple[tuple[str, Values], ...]  # its terms, each with the values of its fields
 TERM = Type("mapping", "a mapping")
+LIST = "`mecano explain laws` lists the terms"
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
 FORCES = {"m": "N", "rad": "N m"}  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
-MEANT = {  # terms of forces, by other names
+MEANT = {  # terms by other names
     "stiffness": "spring", "damping": "damper", "viscous": "damper", "friction": "dry_friction",
     "coulomb": "dry_friction", "gap": "dead_band", "free_play": "dead_band", "backlash": "dead_band",
-    "force": "preload",
+    "force": "preload", "pulse": "bump", "spline": "table",
 }  # fmt: skip
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
@@ -72,7 +73,7 @@ def _term(name, key, node, field, scope):
     term = scope.terms.get(name)
     if term is None:
         meant = MEANT.get(name)
-        hint = f"write {{{meant}: ...}}" if meant in scope.terms else scope.suggest(name, scope.terms)
+        hint = f"write {{{meant}: ...}}" if meant in scope.terms else scope.suggest(name, scope.terms) or LIST
         return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
     if not fits(term, field.type.name):
         return scope.refuse(
