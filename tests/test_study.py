@@ -516,6 +516,16 @@ def test_a_missing_output_is_not_within_limits(low, high):
     assert column.beyond.tolist() == [low is not high, False]
 
 
+def test_the_unit_of_a_parameter_of_an_included_file(folder):
+    """The deck overrides what it includes, also the unit."""
+    (folder / "base.yaml").write_text("mecano: 1\nparameters: {height: 2 m, mass: 3 kg, push: 4 kN}\n")
+    text = (folder / "deck.yaml").read_text()
+    (folder / "deck.yaml").write_text(text.replace("mecano: 1\n", "mecano: 1\ninclude: base.yaml\n", 1))
+    (folder / "study.yaml").write_text(HEAD + "grid: {parameters.height: [1, 2], parameters.push: [5]}\n")
+    study = read_study(folder / "study.yaml")
+    assert units_of(study, read_deck(folder / "deck.yaml")) == {"parameters.height": "m", "parameters.push": "N"}
+
+
 def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):
     """The last case has none."""
     found = study(folder, """\
