@@ -343,7 +343,34 @@ def test_a_line_that_a_shock_makes_slack_does_not_push(step):
 
 def test_a_step_that_does_not_advance_time_ends_the_search():
     """At t = 1 s a step of 1e-18 s is lost in rounding: the event is as well known as time is."""
-    monitor = SimpleNamespace(smooth=np.zeros(1, bool), values=lambda s: np.array([s.z]))
+    monitor = SimpleNamespace(
+        smooth=np.zeros(1, bool), values=lambda s: np.array([s.z]), are_conditions=lambda hit: False
+    )
     before, after = SimpleNamespace(t=1.0, z=-1.0), SimpleNamespace(t=1.0 + 1e-18, z=1.0)
     search = Search(monitor, None, np.ones(1, bool), Point(0.0, -1.0, before), (after,), 1e-18)
     assert search.succeeds() and search.late.trial == (after,)
+
+
+def test_no_step_is_made_to_an_event_at_the_rounding_of_time(monkeypatch):
+    """Forces of a step of 1e-13 s have the rounding error of the positions over its square: it may not converge."""
+    tried, attempt = [], Search._try
+    monkeypatch.setattr(Search, "_try", lambda self, h: tried.append(h) or attempt(self, h))
+    t = 0.0
+    for _ in range(100):
+        t += 1e-3  # as the steps
+    recorded = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{a: {{position: [0, 0, 0]}}}}
+        elements: {{body: {{type: rigid_body, node: a, mass: 2, inertia: [1, 1, 1]}}}}
+        joints: {{guide: {{type: prismatic, nodes: [ground, a], axis: [0, 0, 1]}}}}
+        signals: {{late: {{type: switch, input: time, lower: -1, upper: {t + 7.6e-14!r}}}}}
+        loads: {{push: {{type: joint_force, joint: guide, value: 40*late}}}}
+        time: {{end: 0.2, step: 1 ms}}
+        """)
+    )
+    assert min(tried, default=1.0) > 1e-12
+    [event] = recorded.event_records
+    assert (event.name, event.t) == ("switches on", pytest.approx(t, abs=1e-12))
+    assert recorded["nodes/a/velocity"][-1, 2] == pytest.approx(-9.81 * 0.2 + 20 * 0.1, abs=1e-9)

@@ -55,6 +55,10 @@ class EventMonitor:
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
 
+    def are_conditions(self, hit: np.ndarray) -> bool:
+        """Return whether all events ``hit`` (n_events,) bool are conditions, such as switches of signals."""
+        return int(np.sum(hit)) == int(np.sum(hit[self.conditions]))
+
     def ended(self, s: "State") -> bool:
         """Return whether an event that ends the run has happened before or at ``s``."""
         return any(bool((s.phases[of] == phase).any()) for of, phase in self.final)

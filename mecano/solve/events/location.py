@@ -36,8 +36,8 @@ MOST_EVALUATIONS = 20  # of an event value along the interpolated motion
 class Located(NamedTuple):
     """Location of the first event in a step."""
 
-    h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
-    trial: "Trial | None"  # that step, or the one in which Newton failed, which ends the search; None if h is 0
+    h: float  # size of the step that ends at it [s]; nearly zero when it happens at the beginning
+    trial: "Trial | None"  # that step, or the one in which Newton failed, which ends the search; None at the beginning
     hit: np.ndarray  # (n_events,) bool, events that happen there
 
     @property
@@ -86,6 +86,8 @@ def locate(
     if not search.succeeds():
         assert search.failed is not None, "Newton's iteration has failed in a step"
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
+    if search.beginning is not None:
+        return search.beginning
     late, hit = search.late, crossed.copy()
     assert late.trial is not None, "the late end is that of a step"
     least = np.where(monitor.impacts, UNSEEN * np.abs(g0), 0.0)  # of contacts that have just opened, above rounding
@@ -134,7 +136,9 @@ class Search:
         self.level = np.broadcast_to(level, crossed.shape)[crossed]
         self.monitor, self.step, self.crossed = monitor, step, crossed
         self.failed: Trial | None = None
+        self.beginning: Located | None = None  # of a condition so near that no step to it converges beyond rounding
         self.smooth = bool(np.all(monitor.smooth[crossed]))
+        self.of_conditions = monitor.are_conditions(crossed) and not monitor.within_a_phase(crossed)
         self.tolerance = h * (SMOOTH_TOLERANCE if self.smooth else TIME_TOLERANCE)
         self.at_once = AT_ONCE * h
         self.early, self.late = early, self._point(h, trial)
@@ -148,6 +152,9 @@ class Search:
             root = self._interpolated() if tried < MOST_INTERPOLATED else self._secant()
             if not self.early.h < root <= self.late.h:
                 break
+            if not tried and root <= self.at_once and self.of_conditions:
+                self.beginning = self._at_the_beginning(root)
+                return True
             if self.late.h - root <= self.tolerance:
                 return True
             if not self._narrow(self._try(root + self._past(root))):
@@ -178,6 +185,13 @@ class Search:
         near = 0.05 * self.tolerance
         found = chandrupatla(at, early[:2], late[:2], lambda a, b: b[0] - a[0] <= near, near, MOST_EVALUATIONS)
         return np.nan if found is None else found[1][0]
+
+    def _at_the_beginning(self, root):
+        """Return the events that the motion of the beginning reaches until the ``root``."""
+        values = self.monitor.values(moved(self.early.state, root, self.monitor.system.numbering))[self.crossed]
+        hit = self.crossed.copy()
+        hit[self.crossed] = values - self.level >= min(0.0, float((values - self.level).max()))
+        return Located(root, None, hit)
 
     def _secant(self):
         """Return the step size at which the line through the last two trials crosses zero, or nan."""
