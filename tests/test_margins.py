@@ -72,6 +72,24 @@ def test_pid_controller_of_a_mass_with_a_delay(verify, signal):
     assert found.growing == 0 and not found.warnings
 
 
+@pytest.mark.parametrize(("low", "high"), [(np.nan, np.nan), (0.5, np.nan), (np.nan, 9.0)])
+def test_frequencies_follow_from_poles_and_gain(low, high):
+    """From a hundredth of the frequency at which abs(L) falls below 1 to ten times that, unless they are given.
+
+    Each pole is faster than a tenth of it.
+    """
+    found = loop(servo(), "motor", low, high)
+    w = brentq(lambda w: abs(of_servo(1j * w)) - 1.0, 10.0, 40.0) / (2 * np.pi)
+    first, last = found.frequency[[0, -1]]
+    assert first == pytest.approx(low if low == low else 0.01 * w, rel=0.05)
+    assert last == pytest.approx(high if high == high else 10.0 * w, rel=0.05)
+    assert found.phase.frequency == pytest.approx(w, rel=1e-9)
+    assert found.gain_reduction.frequency > 0.0 or low == low
+    for bad in (-1.0, 0.0, np.inf):
+        with pytest.raises(UsageError, match="finite and greater than zero"):
+            loop(servo(), "motor", bad, high)
+
+
 def test_velocity_feedback_of_an_oscillator():
     """L = g s/(m s^2 + c s + k): |L| = 1 at m w - k/w = -+ r, r^2 = g^2 - c^2, with the phase +- atan(r/c)."""
     m, c, k, g = 2.0, 4.0, 200.0, 30.0

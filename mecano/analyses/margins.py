@@ -39,21 +39,48 @@ if TYPE_CHECKING:
 CLOSE = 1.0 - 1e-9  # of half the sampling frequency: highest one
 BESIDE = 0.999  # of it: highest crossover of the phase besides the one there
 NOTHING = 1e-13  # of what L could be: rounding
+REACH, TRIED = 10.0, 200  # factor on frequencies of poles and crossovers; frequencies at which L is tried
+ROUNDED = 1e-9  # of the fastest pole: a slower one counts as zero
 MOST = 8  # names in a message
 COLUMNS = ("frequency", "gain_margin", "phase_margin", "delay_margin")  # of crossovers
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopRequest(FrequencyRequest):
-    """What is asked for: the name of a signal at which the loop is opened, frequencies [Hz], operating point."""
+    """What is asked for: the name of a signal at which the loop is opened, frequencies [Hz], operating point.
 
+    A lowest or highest frequency that is nan follows from the poles and the loop gain.
+    """
+
+    low: float = np.nan
+    high: float = np.nan
     signal: str
 
     def check(self) -> None:
         """Raise UsageError for frequencies out of range, and for a single one."""
-        super().check()
-        if not self.low < self.high or self.number < 2:
+        low, high = (other if np.isnan(one) else one for one, other in ((self.low, self.high), (self.high, self.low)))
+        if not np.isnan(low):
+            replace(self, low=low, high=high)._check_given()
+        if self.low >= self.high or self.number < 2:
             raise UsageError(f"margins need two or more frequencies, the highest greater than {self.low:g} Hz")
+
+    def _check_given(self):
+        super().check()
+
+    def around(self, loop: TransferFunction, poles: np.ndarray) -> "LoopRequest":
+        """Return the request with the frequencies that are not given.
+
+        With the slowest and the fastest of the ``poles`` [1/s], and the frequency at which the gain of the ``loop``
+        falls below one for good (the fastest pole if it is never above): the lowest is REACH below the slowest pole, or
+        twice as far below that frequency if that is less; the highest is REACH above that frequency.
+        """
+        sizes = np.abs(poles[np.abs(poles) > ROUNDED * np.abs(poles).max(initial=0.0)]) / (2.0 * np.pi)
+        slowest, fastest = (sizes.min(), sizes.max()) if sizes.size else (1.0, 1.0)  # a loop of delays alone
+        tried = np.geomspace(slowest / REACH**2, fastest * REACH, TRIED)
+        crossing = max((one for one in tried if abs(loop(2j * np.pi * one)[0, 0]) >= 1.0), default=fastest)
+        low = min(slowest / REACH, crossing / REACH**2) if np.isnan(self.low) else self.low
+        high = max(crossing, low) * REACH if np.isnan(self.high) else self.high
+        return replace(self, low=float(min(low, high / REACH) if np.isnan(self.low) else low), high=float(high))
 
 
 class Margin(NamedTuple):
@@ -146,6 +173,9 @@ def _find(deck, request):
     turning = angular_velocity_of(system, base.state, request.frame)
     closed = plant_of(changed, base, [one], [Output(one.name, "", (one.signal,))], turning)
     loop = opened(closed, place_of(system, one.signal)[0], unknowns_of(system, one.signal))
+    if np.isnan(request.low) or np.isnan(request.high):
+        poles = np.concatenate([call_interruptibly(poles_up_to, plant.lin, np.inf) for plant in (closed, loop)])
+        request = call_interruptibly(request.around, TransferFunction(loop), poles)
     _refuse_without_loop(request, changed, system, closed, loop)
     periods = {name: d["period"] for name, d in deck.values["signals"].items() if d["type"] == "sample_and_hold"}
     found = call_interruptibly(_margins, closed, loop, request, one.signal, periods)
@@ -256,8 +286,8 @@ def _unsure(found, request) -> "Iterator[str]":
     numbers, error = found
     if numbers["growing"]:
         yield (
-            "the closed loop is unstable already: the margins tell where poles cross the axis, not how far a stable "
-            "loop is from that"
+            "the closed loop is unstable already: the margins tell where poles cross the imaginary axis, not how far "
+            "a stable loop is from that"
         )
     if abs(numbers["values"][-1]) >= 1.0:
         yield f"the loop gain is not below 1 at {request.high:g} Hz: crossovers above it are not seen"

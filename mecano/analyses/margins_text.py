@@ -14,6 +14,8 @@ CROSSOVERS = (
     "crossover", "frequency [Hz]", "magnitude", "phase [deg]", "gain margin", "phase margin [deg]", "delay margin [s]"
 )  # fmt: skip
 
+NONE = "none"  # a margin without a crossover between the lowest and the highest frequency
+
 
 def table(found: "Margins") -> list[str]:
     """Return the lines of the table."""
@@ -31,7 +33,7 @@ def stability(growing: int | None) -> str:
     """Return whether a closed loop with this number of growing poles is stable, as text."""
     if growing is None:
         return "stability not determined"
-    return f"unstable, {growing} growing pole{'s' if growing > 1 else ''}" if growing else "stable"
+    return f"unstable, {growing} pole{'s' if growing > 1 else ''} in the right half-plane" if growing else "stable"
 
 
 def _margins(found):
@@ -39,16 +41,16 @@ def _margins(found):
         if np.isfinite(factor):
             yield name, f"{factor:.6g}", f"{20.0 * np.log10(factor):.4g} dB", f"{frequency:.6g}"
         elif name == "gain":
-            yield name, "-", "", ""
+            yield name, NONE, "", ""
     phase, frequency = found.phase
     yield "phase", _number(np.degrees(phase)), "deg" if np.isfinite(phase) else "", _number(frequency, "")
     delay, frequency = found.delay
     yield "delay", _number(delay), "s" if np.isfinite(delay) else "", _number(frequency, "")
     peak, frequency = found.sensitivity
-    yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "undamped", "", f"{frequency:.6g}"
+    yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "infinite", "", f"{frequency:.6g}"
 
 
-def _number(value, otherwise="-"):
+def _number(value, otherwise=NONE):
     return f"{value:.6g}" if np.isfinite(value) else otherwise
 
 

@@ -1,5 +1,6 @@
 """The commands for responses to sinusoidal inputs, for linear models, and for margins of stability."""
 
+import math
 import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,11 +23,20 @@ if TYPE_CHECKING:
     from mecano.analyses.response import FrequencyRequest
 
 
-def frequencies(around: str) -> Callable[..., Any]:
-    """Return the options of the frequencies; more are added ``around`` some of them."""
+def frequencies(around: str, low: str = "", high: str = "") -> Callable[..., Any]:
+    """Return the options of the frequencies; more are added ``around`` some of them.
+
+    ``low``, ``high``: what the lowest and highest one are by default, in words; they are required without.
+    """
+    ends = [
+        click.option(
+            name, end, type=float, required=not default, metavar="HZ",
+            help=f"{which} frequency{f'; default: {default}' if default else ''}.",
+        )
+        for name, end, which, default in (("--from", "low", "Lowest", low), ("--to", "high", "Highest", high))
+    ]  # fmt: skip
     return together(
-        click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency."),
-        click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency."),
+        *ends,
         click.option(
             "--number", type=click.IntRange(1), default=200, show_default=True,
             help=f"Frequencies, at equal ratios; more are added around {around}.",
@@ -108,7 +118,11 @@ def response(
     "--open-loop", "signal", metavar="NAME", required=True,
     help="The signal at which the loop is opened, or a load that is a formula of signals (motor.value).",
 )  # fmt: skip
-@frequencies("resonances and crossovers")
+@frequencies(
+    "resonances and crossovers",
+    "below poles and crossovers",
+    "ten times that at which the loop gain falls below 1",
+)
 @saved_state
 @axes
 @files("margins", "Bode and Nyquist diagrams", "magnitude and phase")
@@ -125,7 +139,8 @@ def margins(deck: str, written: Written, overrides: tuple[str, ...], **requested
     from mecano.analyses.margins import LoopRequest
     from mecano.analyses.margins import margins as find
 
-    path = _compute(find, LoopRequest(**requested), deck, overrides, "margins", written)
+    ends = {name: math.nan if requested[name] is None else requested[name] for name in ("low", "high")}
+    path = _compute(find, LoopRequest(**requested | ends), deck, overrides, "margins", written)
     if written.plot:
         from mecano.post.pictures import draw_alone
 

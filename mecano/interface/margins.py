@@ -10,9 +10,9 @@ from mecano.interface.saved_state import SavedState, saved_state
 
 
 def margins(
-    deck: AnyDeck, path: AnyPath | None = None, *, open_loop: str, low: float, high: float, number: int = 200,
-    linear: bool = False, set: Values | None = None, at: SavedState | None = None, at_rest: bool = False,
-    frame: str = "inertial", force: bool = False,
+    deck: AnyDeck, path: AnyPath | None = None, *, open_loop: str, low: float | None = None, high: float | None = None,
+    number: int = 200, linear: bool = False, set: Values | None = None, at: SavedState | None = None,
+    at_rest: bool = False, frame: str = "inertial", force: bool = False,
 ) -> "LoopMargins":  # fmt: skip
     """Compute the margins of stability of a loop that is opened at a signal.
 
@@ -20,8 +20,11 @@ def margins(
 
     Parameters
     ----------
-    deck, low, high, number, linear, set, at, at_rest, frame, force
+    deck, number, linear, set, at, at_rest, frame, force
         As for `mecano.response`; frequencies are added around resonances and crossovers.
+    low, high : float
+        Range of frequencies [Hz]; by default from below poles and crossovers to ten times the frequency at which the
+        loop gain falls below 1.
     path : str or Path
         File for the margins; by default none is written.
     open_loop : str
@@ -53,8 +56,8 @@ def margins(
     from mecano.analyses.margins import margins as find
 
     request = LoopRequest(
-        signal=open_loop, low=low, high=high, number=number, linear=linear, at=saved_state(at, at_rest),
-        at_rest=at_rest, frame=frame,
+        signal=open_loop, low=np.nan if low is None else low, high=np.nan if high is None else high, number=number,
+        linear=linear, at=saved_state(at, at_rest), at_rest=at_rest, frame=frame,
     )  # fmt: skip
     request.check()
     text, found = find(checked_deck(deck, set), None if path is None else os.fspath(path), request, force=force)
@@ -71,7 +74,7 @@ def margins(
 
 @dataclass(frozen=True)
 class Margin:
-    """A margin of stability and the frequency [Hz] at which poles cross the axis; nan where there is none."""
+    """A margin of stability and the frequency [Hz] at which poles cross the imaginary axis; nan where there is none."""
 
     value: float
     frequency: float

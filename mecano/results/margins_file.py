@@ -34,13 +34,13 @@ CROSSOVERS = (
     ("delay_margin", "s", "delay that brings poles to this frequency; nan where the magnitude is not 1"),
 )
 MARGINS = (
-    ("gain", "", "least factor above 1 of the gain at which poles cross the axis; nan if none"),
+    ("gain", "", "least factor above 1 of the gain at which poles cross the imaginary axis; nan if none"),
     ("gain_frequency", "Hz", "frequency of these poles"),
-    ("gain_reduction", "", "largest factor below 1 of the gain at which poles cross the axis; nan if none"),
+    ("gain_reduction", "", "largest factor below 1 of the gain at which poles cross the imaginary axis; nan if none"),
     ("gain_reduction_frequency", "Hz", "frequency of these poles"),
     ("phase", "rad", "phase margin with the least modulus; nan if none"),
     ("phase_frequency", "Hz", "its crossover"),
-    ("delay", "s", "least delay at which poles cross the axis; nan if none"),
+    ("delay", "s", "least delay at which poles cross the imaginary axis; nan if none"),
     ("delay_frequency", "Hz", "frequency of these poles"),
     ("sensitivity_peak", "", "largest modulus of 1/(1 + L)"),
     ("sensitivity_peak_frequency", "Hz", "its frequency"),
