@@ -91,11 +91,12 @@ class _Reading:
                 self._point(text)
 
     def _point(self, text):
-        numbers = [number(word) for word in re.split(r"[$!]", text)[0].replace(",", " ").split()]
-        if len(numbers) != 2 or not all(one is not None and math.isfinite(one) for one in numbers):
+        words = re.split(r"[$!]", text)[0].replace(",", " ").split()
+        numbers = [float(found) for word in words if (found := number(word)) is not None and math.isfinite(found)]
+        if len(words) != 2 or len(numbers) != 2:
             self._refuse(f"has {quoted(text)} in {CURVE}, which is not a deflection and a load")
             return
-        self.curve.append([float(numbers[0]) * self.sizes["LENGTH"], float(numbers[1]) * self.sizes["FORCE"]])
+        self.curve.append([numbers[0] * self.sizes["LENGTH"], numbers[1] * self.sizes["FORCE"]])
 
     def _unit(self, key, word):
         known = UNITS[key]

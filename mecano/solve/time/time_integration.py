@@ -261,7 +261,7 @@ class TimeIntegrator:
         return new
 
     def _change_phases(self, run, info, found, rejected):
-        """Apply events at the beginning of a step; time advances by rounding, and impacts have consistent velocities."""
+        """Apply events at the beginning of a step, where time advances by rounding; impacts at consistent rates."""
         s = replace(run.motion, t=run.motion.t + found.h)
         if self.shocks.impact_candidates.among(found.hit):
             s = self._consistent(s, run.h, impact=True)
