@@ -31,6 +31,7 @@ import scipy.sparse as sp
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3, skew
 from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.scales import NO_STIFFNESS
 from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
 
@@ -89,12 +90,35 @@ def linearize(
     rate = _fastest(system, base, w)
     variation = _variation(system, base, w, rate, assemble, matrices)
     M, C, K = matrices
+    root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
+    if _is_rounding(system, base, w, assemble, K, root):
+        K = _border(K, system.n_q)
     if compliance is not None:
         c = compliance.matrix
         at = c.rows + system.n_q, c.columns + system.n_q
         K = (K - sp.csr_matrix((c.values, at), shape=K.shape)).tocsr()
-    root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
     return Linearization(M, C, K, system.n_q, system.numbering.group, root, system.signals, variation, variation * rate)
+
+
+def _is_rounding(system, s, w, assemble, K, root):
+    """Return whether the stiffness of motions in ``K`` is all that of rounded reactions and accelerations.
+
+    Reactions of a mechanism without forces are rounding errors, and so is their geometric stiffness.
+    """
+    own = K[: system.n_q, : system.n_q].tocoo()
+    sizes = np.abs(own.data) / (root[own.row] * root[own.col])
+    if not 0.0 < sizes.max(initial=0.0) <= NO_STIFFNESS:
+        return False
+    bare = displaced(s, np.zeros(system.n_q), system.numbering)
+    bare.z[system.n_q : system.n], bare.a[:] = 0.0, 0.0
+    return not np.any(_matrices(system, bare, w, np.eye(3), assemble)[2][: system.n_q, : system.n_q].data)
+
+
+def _border(K, n_q):
+    """Return K (n, n) without the stiffness of motions."""
+    K = K.tocoo()
+    kept = (K.row >= n_q) | (K.col >= n_q)
+    return sp.csr_matrix((K.data[kept], (K.row[kept], K.col[kept])), K.shape)
 
 
 def by_motions(system: "System", s: "State", w: np.ndarray) -> tuple[sp.csr_matrix, ...]:

@@ -6,7 +6,6 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from mecano.solve.diagnostics.scales import NO_STIFFNESS
 from mecano.solve.modal.balance import balance
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ class SmallMotions:
         rest = np.ones(lin.K.shape[0] - n_q)
         L, R = (sp.diags(np.concatenate([by / lin.root, rest])) for by in (rows, self.units))
         M, C, K = ((L @ A @ R).tocsr() for A in (lin.M, lin.C, lin.K))
-        self.full = self._without_reactions((M, C, self._without_rounding(K)), lin.signals)
+        self.full = self._without_reactions((M, C, K), lin.signals)
         self.M, self.C, self.K = (A[:n_q, :n_q] for A in self.full)
         self.D = self.full[2][:n_q, n_q:]
         rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
@@ -43,15 +42,6 @@ class SmallMotions:
         self.signals = lin.signals
         self.groups = lin.groups
         self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
-
-    def _without_rounding(self, K):
-        """Return K without the stiffness of motions if all of it is the geometric stiffness of rounded reactions."""
-        own = K[: self.n_q, : self.n_q]
-        if not own.nnz or abs(own).max() > NO_STIFFNESS:
-            return K
-        K = K.tocoo()
-        kept = (K.row >= self.n_q) | (K.col >= self.n_q)
-        return sp.csr_matrix((K.data[kept], (K.row[kept], K.col[kept])), K.shape)
 
     def _without_reactions(self, matrices, signals):
         """Return the matrices with the reactions that signals read replaced by the forces that they balance.
