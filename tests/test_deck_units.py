@@ -330,3 +330,25 @@ def test_letters_that_cannot_be_printed_are_replaced():
     assert text != VALID
     messages = problems_of(text)
     assert any("'e?' is not a unit" in message for message in messages) and all(map(str.isprintable, messages))
+
+
+@pytest.mark.parametrize(
+    ("mass", "text"),
+    [
+        ("$load/$g", ""), ("2*$load/$g", ""), ("$load/9.81", ""), ("$load", "'N' is a force"), ("3*$load", ""),
+        ("$load*$g", "it is in m2 kg s-4, where kg is expected"),
+        ("$own + $load", "it adds or compares kg and N"), ("$own + 3", ""), ("$own*cos($turn)", ""),
+        ("\"max($own, $load)\"", "it adds or compares kg and N"), ("sqrt($own**2 + $own**2)", ""),
+        ("$own**2", "it is in kg2, where kg is expected"), ("$half", "it is in N, where kg is expected"),
+        ("$load/$half*$own", ""),
+    ],
+)  # fmt: skip
+def test_units_of_expressions(mass, text):
+    """A number that is a factor may have any unit; angles are numbers."""
+    parameters = 'own: 82 kg, load: 800 N, g: 9.81 m/s2, turn: 30 deg, half: "$load + 0"'
+    text_of_deck = VALID.replace("mass: 82.0", f"mass: {mass}, {parameters}")
+    if "is a force" in text:
+        assert text in problems_of(text_of_deck)[0]
+        return
+    found = [problem.message for problem in read_fake(text_of_deck).warnings if "expression" in problem.message]
+    assert len(found) == bool(text) and all(text in message for message in found), found

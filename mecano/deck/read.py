@@ -84,7 +84,8 @@ def deck_of(
     root = settled(root, [pair for pair in inclusion.settings if pair not in early], sections, problems)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    warnings = (*suspicious(values, root, scope.used_names(), kinds, bool(overrides)), *unplaced(scope.unplaced))
+    lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides))
+    warnings = (*lint, *unplaced(scope.unplaced), *scope.doubts)
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
     return Deck(

@@ -105,6 +105,27 @@ def _dimension(unit: str) -> Powers:
     return found[1]
 
 
+def dimension_of(text: str, quantity: bool = False) -> tuple[float, ...] | None:
+    """Return the powers of m, kg and s of a unit, or of a ``quantity``; None without a unit. Angles are numbers."""
+    if quantity:
+        return _powers(text) if is_quantity(text) and parsed(_split(text)[1]) else None
+    found = (1.0, NONE) if text == "-" else parsed(text)
+    return None if found is None else found[1][:3]
+
+
+def unit_of_dimension(powers: tuple[float, ...]) -> str:
+    """Return a unit with these powers of m, kg and s as text: kg m/s2."""
+    known: dict[tuple[float, ...], str] = {dimension[:3]: unit for dimension, unit in SI.items() if not dimension[3]}
+    if powers in known:
+        return known[powers]
+    parts = [
+        f"{name}{power:g}" if power != 1 else name
+        for name, power in zip(("m", "kg", "s"), powers, strict=True)
+        if power
+    ]
+    return " ".join(parts)
+
+
 def alike(first: str, second: str) -> bool:
     """Return True if two quantities (texts) are of one kind, such as 1 m and 2 mm."""
     return _powers(first) == _powers(second)

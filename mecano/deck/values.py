@@ -24,6 +24,7 @@ from mecano.deck.units import (
     written_in_si,
 )
 from mecano.deck.wording import quoted
+from mecano.errors import Problem
 from mecano.schema import LINE, NODE, NODE_SET, NUMBER, NUMBERS, SECTION_OF, Field, Type
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
@@ -48,7 +49,20 @@ def plain_number(node: Node, field: Field, scope: Scope) -> int | float | Invali
         given = scope.quantity_of(value)
         wrong = given and _quantity(node, given, field, scope, value) is INVALID
         value = INVALID if wrong else scope.evaluated(node)
+        if not given and value is not INVALID and "$" in node.value:
+            _note_units(node, field, scope)
     return value if value is INVALID or type(value) in (int, float) else None
+
+
+def _note_units(node, field, scope):
+    """Note a warning if the units of the parameters of an expression do not agree."""
+    from mecano.deck.expression_units import doubt  # few decks have such expressions
+
+    text = doubt(node.value, field.unit, scope)
+    if text:
+        name = scope.name_of(field.name)
+        place = [scope.subject, f"the units of the expression {quoted(node.value)} do not agree", text]
+        scope.doubts.append(Problem(": ".join(filter(None, [place[0], name and quoted(name), *place[1:]])), node.mark))
 
 
 def _quantity(node, text, field, scope, parameter=""):

@@ -1,0 +1,87 @@
+"""Warnings about expressions whose parameters have units: unlike quantities added, a result of another dimension.
+
+A number in an expression may have any unit, and so may what it is multiplied with or divided by; angles are numbers.
+"""
+
+import ast
+from typing import TYPE_CHECKING, TypeAlias
+
+from mecano.deck.expressions import NAME, is_expression
+from mecano.deck.units import dimension_of, unit_of_dimension
+
+if TYPE_CHECKING:
+    from mecano.deck.scope import Scope
+
+Powers: TypeAlias = "tuple[float, ...] | None"  # of m, kg and s; None where they are unknown
+LIKE = ("abs", "min", "max", "hypot")  # functions of quantities of one dimension, which is that of their value
+DEEPEST = 20  # parameters that are expressions of others
+
+
+class Unlike(Exception):
+    """Quantities of two dimensions that are added or compared; the text names both units."""
+
+
+def doubt(text: str, declared: str, scope: "Scope") -> str:
+    """Return what is wrong with the units of an expression (text) for a field of the unit ``declared``, or ""."""
+    try:
+        found = _of_text(text, scope, 0)
+    except Unlike as error:
+        return str(error)
+    wanted = [dimension_of(unit) for unit in declared.split(" or ")]
+    if found is None or None in wanted or found in wanted:
+        return ""
+    return f"it is in {unit_of_dimension(found)}, where {declared} is expected"
+
+
+def _of_text(text, scope, depth):
+    """Return the Powers of an expression, a quantity or the text of a number."""
+    if not is_expression(text):
+        return dimension_of(text, quantity=True)
+    if depth > DEEPEST:
+        return None
+    return _of_tree(ast.parse(NAME.sub(r"_\1", text.removeprefix("=")).strip(), mode="eval").body, scope, depth)
+
+
+def _of_tree(tree, scope, depth):
+    """Return the Powers of a part of an expression, which has been evaluated before."""
+    if isinstance(tree, ast.Name):
+        return _of_parameter(scope.parameters.node(tree.id.removeprefix("_")), scope, depth)
+    if isinstance(tree, ast.UnaryOp):
+        return _of_tree(tree.operand, scope, depth)
+    if isinstance(tree, ast.Call):
+        inner = [_of_tree(part, scope, depth) for part in tree.args]
+        name = ast.unparse(tree.func)
+        return _alike(inner) if name in LIKE else _power(inner[0], 0.5) if name == "sqrt" else None
+    if not isinstance(tree, ast.BinOp):
+        return None
+    left, right = _of_tree(tree.left, scope, depth), _of_tree(tree.right, scope, depth)
+    if isinstance(tree.op, ast.Add | ast.Sub | ast.Mod):
+        return _alike([left, right])
+    if isinstance(tree.op, ast.Pow):
+        return _power(left, tree.right.value) if isinstance(tree.right, ast.Constant) else None
+    if left is None or right is None:
+        return None
+    sign = 1.0 if isinstance(tree.op, ast.Mult) else -1.0
+    return tuple(a + sign * b for a, b in zip(left, right, strict=True))
+
+
+def _of_parameter(node, scope, depth):
+    if node is None or type(node.value) is not str:
+        return None
+    try:
+        return _of_text(node.value, scope, depth + 1)
+    except Unlike:  # a warning of its own
+        return None
+
+
+def _power(powers, exponent):
+    return None if powers is None else tuple(exponent * power for power in powers)
+
+
+def _alike(found):
+    """Return the dimension of several quantities of one; raises Unlike."""
+    known = [powers for powers in found if powers is not None]
+    for other in known[1:]:
+        if other != known[0]:
+            raise Unlike(f"it adds or compares {unit_of_dimension(known[0])} and {unit_of_dimension(other)}")
+    return known[0] if known else None
