@@ -11,9 +11,13 @@ from mecano.laws.table import kinks
 FAR = 1e30  # [m or rad]: a stop that is never reached, for event values that must be finite
 PHASES = ("below", "between", "above")
 EVENTS = (
-    Event("lower stop closes", "between", "below", "the extension falls to the lower stop", elastic=True),
+    Event(
+        "lower stop closes", "between", "below", "the extension falls to the lower stop, or end of a play", elastic=True
+    ),
     Event("lower stop opens", "below", "between", "the extension rises from the lower stop", elastic=True),
-    Event("upper stop closes", "between", "above", "the extension rises to the upper stop", elastic=True),
+    Event(
+        "upper stop closes", "between", "above", "the extension rises to the upper stop, or end of a play", elastic=True
+    ),
     Event("upper stop opens", "above", "between", "the extension falls from the upper stop", elastic=True),
 )
 
