@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from time_runs import RecordedRun, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +47,38 @@ def test_the_velocity_of_a_point_of_the_body_in_its_axes(gimbal):
     expected = np.stack([0.0 * p, 0.3 * r, -0.3 * q], axis=1)
     np.testing.assert_allclose(gimbal["elements/at_nose/velocity"], expected, atol=1e-4)  # of the run: 5.6e-5
     assert np.abs(expected).max() > 1.0
+
+
+def test_the_acceleration_of_a_point_of_the_body(gimbal):
+    """Second differences of its place by the angles of the motors; the specific force is the same in its axes."""
+    h, t = 1e-4, gimbal.time[1:]
+
+    def place(t):
+        angles = np.stack([6.3 * t, 1.2 * np.sin(3.0 * t), 2.0 * t - np.sin(2.0 * t)], axis=1)
+        return Rotation.from_euler("ZYX", angles).apply([0.3, 0.0, 0.0])
+
+    expected = (place(t + h) - 2.0 * place(t) + place(t - h)) / h**2
+    found = gimbal["elements/at_nose/acceleration"][1:]
+    np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())  # at the start 1.4e-4
+    w, x, y, z = gimbal["nodes/nose/rotation"][1:].T
+    in_axes = Rotation.from_quat(np.stack([x, y, z, w], axis=1)).apply(found, inverse=True)
+    np.testing.assert_allclose(gimbal["elements/at_nose/specific_force"][1:], in_axes, atol=1e-10)
+
+
+def test_an_accelerometer_at_rest_measures_the_force_that_carries_it():
+    """9.81 m/s2 upwards: in its axes, pitched down by 30 degrees, half of it along -x and the rest along z."""
+    at_rest = deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {a: {position: [0, 0, 0], orientation: [0, 30 deg, 0]}}
+        elements:
+          a: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}
+          sensor: {type: attitude, node: a}
+        joints: {h: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}}
+        time: {end: 0.02, step: 0.01}
+        """)
+    found = RecordedRun(at_rest)["elements/sensor/specific_force"]
+    np.testing.assert_allclose(found, np.tile([-0.5 * 9.81, 0.0, np.sqrt(0.75) * 9.81], (len(found), 1)), atol=1e-9)
 
 
 def test_signals_read_the_attitude_over_whole_turns(gimbal):

@@ -252,6 +252,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a constant moment is 'dry_friction' in the turning_law of a hinge; 'friction' of joints follows reactions",
     ),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
+    "accelerometer, acceleration of a node, specific force": (
+        "attitude", "its outputs acceleration and specific_force"
+    ),
     "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (
         "acceleration prescribed_position prescribed_angle", "the law acceleration as 'value' of a prescribed motion"
     ),

@@ -1,4 +1,4 @@
-r"""Attitude of a node: yaw, pitch and roll, and its motion in its own axes, as outputs and for signals.
+r"""Attitude of a node: yaw, pitch and roll, its motion in its own axes, its acceleration, as outputs and for signals.
 
 The rotation from the axes of the node to the inertial ones is
 
@@ -18,7 +18,7 @@ It has no mass and exerts no force.
 """
 
 from mecano.constraints.body_fixed import follow
-from mecano.element_interface import Display, Kind, Output, named
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, sqrt
 from mecano.maths.vector import mat, put, vec
@@ -43,6 +43,8 @@ def observe(p, at, F, y, e):
     y[3], y[4], y[5] = yaw_rate, q_c / cosine, omega[0] - yaw_rate * R[2][0]
     put(y, 6, omega)
     put(y, 9, R.T @ vec(at.v, 0))
+    put(y, 12, vec(at.a, 0))
+    put(y, 15, R.T @ (vec(at.a, 0) - vec(p.gravity, 0)))
 
 
 @kernel
@@ -52,11 +54,13 @@ def commit(p, at, m_out):
     m_out[0], m_out[1] = follow(at.m[0], yaw), follow(at.m[1], roll)
 
 
+WASHOUT = "read the 'washout' of a component of the velocity, with the gain 1/time_constant"
 ATTITUDE = Kind(
     name="attitude",
     section="elements",
     doc=__doc__,
     display=Display("nothing"),
+    dtype=record(gravity=3),
     layout=("x0", "R0"),
     fields=(Field("node", NODE, "-", "node whose attitude is measured"),),
     outputs=(
@@ -68,7 +72,15 @@ ATTITUDE = Kind(
         Output("roll_rate", "rad/s", "rate of the roll"),
         Output("angular_velocity", "rad/s", "angular velocity in the axes of the node: p, q, r", (3,)),
         Output("velocity", "m/s", "velocity in the axes of the node: u, v, w", (3,)),
+        Output("acceleration", "m/s2", "acceleration, inertial", (3,)),
+        Output(
+            "specific_force",
+            "m/s2",
+            "acceleration less gravity in the axes of the node, as accelerometers measure it",
+            (3,),
+        ),
     ),
+    hidden={"acceleration": WASHOUT, "specific_force": WASHOUT},
     memory=("yaw", "roll"),
     **named(observe, commit),
 )
