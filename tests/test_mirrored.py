@@ -60,6 +60,9 @@ def mirrored(kind, d, flipped):
         out["pitch"] = -d["pitch"]
     if kind.name == "coupler":
         out["factors"] = [f * (-1.0 if i < len(d["angles"]) else 1.0) for i, f in enumerate(d["factors"])]
+    if kind.name == "nonlinear_coupler":
+        signs = [1.0 if d.get(field) is None else -1.0 for field in ("angle", "of_angle")]
+        out |= {"function": _reflected(d["function"], *signs), "start": signs[1] * d["start"]}
     if kind.name == "beam":
         out |= {"twist": -d["twist"], "section": _section(d["section"])}
     if kind.name == "superelement":
@@ -69,6 +72,18 @@ def mirrored(kind, d, flipped):
         law = tyre["magic_formula"]
         out["tire_law"] = {**tyre, "magic_formula": {**law, "mirrored": not law.get("mirrored")}}
     return _opposite(out, flipped)
+
+
+def _reflected(function, sign, sign_of_argument):
+    """The function sign f(sign_of_argument x) of the terms in samples."""
+    changed = {
+        "polynomial": lambda d: {
+            "coefficients": [sign * sign_of_argument**p * c for p, c in enumerate(d["coefficients"])]
+        },
+        "linear": lambda d: {"slope": sign * sign_of_argument * d["slope"], "offset": sign * d["offset"]},
+        "sine": lambda d: {"amplitude": sign * d["amplitude"], "frequency": sign_of_argument * d["frequency"]},
+    }
+    return tuple((name, {**d, **changed[name](d)}) for name, d in function)
 
 
 def _section(section):
