@@ -185,6 +185,12 @@ def test_the_solver_history_has_names_too(finished):
             results["solver.stepsize"]
 
 
+def test_similar_outputs_are_different_ones():
+    """Not hinge.angle and joints.hinge.angle, which are the same."""
+    paths = [f"joints/hinge/{name}" for name in ("angle", "rate", "force")]
+    assert similar_outputs("hinge.angel", paths) == ["hinge.angle", "hinge.rate", "hinge.force"]
+
+
 @pytest.mark.parametrize(
     "name, message",
     [

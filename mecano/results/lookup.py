@@ -47,6 +47,7 @@ def require_names(names: Iterable[object]) -> None:
 
 
 MOST = 8  # outputs of one owner that a message names
+NAMED = 3  # similar outputs that a message names
 
 
 class Lookup:
@@ -131,8 +132,15 @@ class Lookup:
 
 
 def similar_outputs(name: str, paths: Iterable[str]) -> list[str]:
-    """Return at most three endings of paths that are similar to a name, the most similar first."""
-    return difflib.get_close_matches(name, dict.fromkeys(end for path in paths for end in _endings(path)), 3)
+    """Return at most three endings of different paths that are similar to a name, the most similar first."""
+    owner: dict[str, str] = {}
+    for path in paths:
+        for ending in _endings(path):
+            owner.setdefault(ending, path)
+    found: dict[str, str] = {}
+    for ending in difflib.get_close_matches(name, owner, 3 * NAMED):
+        found.setdefault(owner[ending], ending)
+    return list(found.values())[:NAMED]
 
 
 def _matching(paths, pattern):
