@@ -1,17 +1,23 @@
 """Motions as films."""
 
 import os
+from dataclasses import replace
 
 import every_kind
 import numpy as np
 import pytest
-from matplotlib import animation
+from matplotlib import animation, cm
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from PIL import Image, ImageSequence
 
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
 from mecano.post import film
 from mecano.post.animation import animate
+from mecano.post.runs import opened_runs
+from mecano.post.scene import scene_of
+from mecano.post.shapes import ROD, Shape
 
 SHOWN = {name: KINDS[name] for name in ("beam", "wheel", "hinge")}
 
@@ -45,6 +51,21 @@ def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
         assert 1e-3 < np.mean(np.abs(one - other).max(axis=2) > 60) < 0.3
     coloured = np.ptp(frames[0][:, : frames[0].shape[1] * 3 // 4], axis=2) > 60  # left of the scale
     assert coloured.sum() > 50
+
+
+def test_all_pieces_of_an_element_have_its_colour(path):
+    """A beam of two elements, each of which is drawn as four pieces: as on the page, half of the line has each."""
+    with opened_runs([path]) as [run]:
+        scene = scene_of(run, 2)
+    bar = Shape(ROD, "bar", np.linspace((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 9)[None].repeat(2, axis=0))
+    stress = np.array([[1.0, 3.0], [3.0, 1.0]])
+    scene = replace(scene, shapes=[bar], colours=[{"stress": stress}], ranges=[("stress", "Pa", 1.0, 3.0)])
+    picture = film._Picture(scene, Figure().add_subplot(), "")
+    low, high = cm.ScalarMappable(Normalize(0.0, 1.0), film.COLOURS).to_rgba([0.0, 1.0])
+    for frame, (first, second) in enumerate(((low, high), (high, low))):
+        picture.show(frame)
+        [line] = picture._lines.values()
+        np.testing.assert_array_equal(line.get_colors(), [first] * 4 + [second] * 4)
 
 
 def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_path, monkeypatch):

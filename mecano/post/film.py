@@ -153,4 +153,7 @@ class _Picture:
     def _colour(self, values, frame, count):
         """Return the colours of ``count`` pieces of a line; grey if it has no values."""
         name, factor, mapping = self._colours
-        return mapping.to_rgba(np.resize(values[name][frame] / factor, count)) if name in values else GREY
+        if name not in values:
+            return GREY
+        own = values[name][frame] / factor  # one for each element of the line, which is several pieces if it bends
+        return mapping.to_rgba(own[np.arange(count) * len(own) // count])
