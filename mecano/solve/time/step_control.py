@@ -52,20 +52,13 @@ def factor_of_order(error, share, order):
 
 
 @kernel
-def eased(change, share, iterations):
-    """Return the ``change`` of the step size, reduced after many Newton iterations, but not for fixed steps."""
-    return min(change, EASE) if iterations >= LABORIOUS and share < math.inf else change
-
-
-@kernel
 def planned(change, share, h, minimum, maximum, iterations):
-    """Return the next step size after an accepted step, whose error allows a ``change`` and was allowed a ``share``."""
-    return resized(eased(change, share, iterations), h, minimum, maximum)
+    """Return the next step size after an accepted step, whose error allows a ``change`` and was allowed a ``share``.
 
-
-@kernel
-def resized(change, h, minimum, maximum):
-    """Return the next step size after one of size h that may ``change`` by this factor."""
+    After many Newton iterations it is smaller, but not that of fixed steps.
+    """
+    if iterations >= LABORIOUS and share < math.inf:
+        change = min(change, EASE)
     if 1.0 <= change < HOLD:
         return h
     change = min(change, GROWTH) if change > 1.0 else change * RESERVE
