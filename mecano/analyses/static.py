@@ -12,7 +12,6 @@ from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.yielding import yielding_warnings
-from mecano.model.batch import is_scaled
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import System
 from mecano.results.file_names import refuse_existing
@@ -83,7 +82,7 @@ def _outputs_of_loads(system):
     """Return the indices of the outputs of a System that are proportional to the load factor."""
     found = np.zeros(system.n_outputs, bool)
     for b in system.batches:
-        if is_scaled(b):
+        if b.is_scaled():
             units = [output.unit for output in b.kind.outputs for _ in range(output.size)]
             b.outputs(found)[:] = np.isin(units, OF_LOADS)
     return np.flatnonzero(found)

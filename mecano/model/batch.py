@@ -88,6 +88,29 @@ class Batch:
             self.first_output + n * self.n_outputs, self.first_event + n * self.n_events,
         )  # fmt: skip
 
+    def is_scaled(self) -> bool:
+        """Return whether a load factor multiplies the elements.
+
+        True for loads and parts of loads, unless signals, such as those of a controller, give their value.
+        """
+        return self.paths[0][0].startswith("loads/") and not self.kind.inputs
+
+    def constrains_positions(self) -> bool:
+        """Return whether the elements have constraints on positions."""
+        return len(self.kind.multipliers) > 0 and not self.kind.of_rates
+
+    def constrains_rates(self) -> bool:
+        """Return whether the elements have constraints on velocities."""
+        return self.kind.of_rates
+
+    def follows_jumps(self) -> bool:
+        """Return whether the memories follow jumps of inputs."""
+        return self.kind.follows_jumps
+
+    def acts_by_multipliers(self) -> bool:
+        """Return whether multipliers of other parts determine forces of the elements, such as friction."""
+        return bool(self.kind.coupled_multipliers) and not self.kind.senses
+
     def outputs(self, values: np.ndarray) -> np.ndarray:
         """Return the view (n, n_outputs) of this batch in ``values``, one for each output of the system."""
         n = len(self.p)
@@ -265,16 +288,3 @@ def _table(rows):
 def _three(first):
     """Return the indices (n, 3) from each of ``first`` (n,) on."""
     return first[:, None] + np.arange(3)
-
-
-def is_scaled(batch: Batch) -> bool:
-    """Return whether a load factor multiplies the elements of a batch.
-
-    True for loads and parts of loads, unless signals, such as those of a controller, give their value.
-    """
-    return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
-
-
-def acts_by_multipliers(batch: Batch) -> bool:
-    """Return whether multipliers of other parts determine forces of a batch, such as friction."""
-    return bool(batch.kind.coupled_multipliers) and not batch.kind.senses

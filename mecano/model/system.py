@@ -12,7 +12,7 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
-from mecano.model.batch import Batch, acts_by_multipliers, batches, calling, followers, is_scaled
+from mecano.model.batch import Batch, batches, calling, followers
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
@@ -67,6 +67,7 @@ class System:
         self.nnz = len(self.rows)
         self.n_data = self.nnz + 3  # terms of fixed unknowns, three by three, follow the values of the tangent
         self._divided_loops: dict[Callable[..., None], DividedLoops] = {}  # by purpose
+        self._drivers: dict[tuple, Callable[..., Any]] = {}  # by driver, purpose and choice of batches
         self._kept: dict[Callable[[System], Any], Any] = {}
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
@@ -151,9 +152,12 @@ class System:
         found = self._divided_loops[purpose]
         return Loops(found.loops, found.batches)
 
-    def _bind(self, driver, purpose, chosen=None):
-        """Bind a ``driver`` of assembly_driver.py to the loops of one purpose for the batches ``chosen``."""
-        return driver.bind(self.loops(purpose, chosen))
+    def _driver(self, driver, purpose, chosen=None):
+        """Return a ``driver`` of assembly_driver.py bound to the loops of one purpose, for the batches ``chosen``."""
+        key = driver, purpose, chosen
+        if key not in self._drivers:
+            self._drivers[key] = driver.bind(self.loops(purpose, chosen))
+        return self._drivers[key]
 
     @cached_property
     def signal_units(self) -> dict[str, str]:
@@ -162,57 +166,14 @@ class System:
         return signal_units(self.model, paths)
 
     @cached_property
-    def _assemble(self):
-        return self._bind(assembly_driver.assemble, loops.tangent)
-
-    @cached_property
-    def _assemble_residual(self):
-        return self._bind(assembly_driver.assemble_residual, loops.residual)
-
-    @cached_property
-    def _add_constraints(self):
-        return self._adding(lambda batch: batch.kind.multipliers and not batch.kind.of_rates)
-
-    @cached_property
-    def _add_constraints_of_rates(self):
-        return self._adding(lambda batch: batch.kind.of_rates)
-
-    def _adding(self, chosen):
-        return self._bind(assembly_driver.add, loops.tangent, chosen)
-
-    @cached_property
-    def _add_scaled_loads(self):
-        return self._bind(assembly_driver.add_scaled, loops.tangent, is_scaled)
-
-    @cached_property
     def _add_coupled_multipliers(self):
-        found = self.loops(loops.tangent, acts_by_multipliers)
-        batches = [b for b in self.batches if acts_by_multipliers(b)]
+        found = self.loops(loops.tangent, Batch.acts_by_multipliers)
+        batches = [b for b in self.batches if b.acts_by_multipliers()]
         self._coupled_entries = [b.entries.copy() for b in batches]
         for entries, b, record_of in zip(self._coupled_entries, batches, found.batches, strict=True):
             entries[:, :, : b.kind.n_local - len(b.kind.coupled_multipliers)] = self.nnz
             record_of["entries"] = entries.ctypes.data
         return assembly_driver.add.bind(found)
-
-    @cached_property
-    def _constraint_derivatives(self):
-        return self._bind(assembly_driver.constraint_derivatives, loops.constraint_derivatives)
-
-    @cached_property
-    def _observe(self):
-        return self._bind(assembly_driver.observe, loops.observe)
-
-    @cached_property
-    def _write_event_values(self):
-        return self._bind(assembly_driver.event_values, loops.event_values)
-
-    @cached_property
-    def _commit(self):
-        return self._bind(assembly_driver.commit, loops.commit)
-
-    @cached_property
-    def _commit_jumps(self):
-        return self._bind(assembly_driver.commit, loops.commit, lambda batch: batch.kind.follows_jumps)
 
     def initial_state(self, t: float = 0.0) -> State:
         """Return the state at rest in the configuration of the deck, with every element in its initial phase."""
@@ -258,9 +219,10 @@ class System:
         """
         found = Assembly(self) if into is None else into
         if cK == cC == cM == 0.0:
-            self._assemble_residual(found.record, s, k, penalty)
+            self._driver(assembly_driver.assemble_residual, loops.residual)(found.record, s, k, penalty)
         else:
-            self._assemble(found.record, s, self._no_turn if T is None else T, k, penalty, cK, cC, cM)
+            assemble = self._driver(assembly_driver.assemble, loops.tangent)
+            assemble(found.record, s, self._no_turn if T is None else T, k, penalty, cK, cC, cM)
         return found
 
     def forces(self, s: State) -> np.ndarray:
@@ -296,12 +258,12 @@ class System:
 
         For constraints on velocities, B is the gradient with respect to velocities; ``rates=False`` omits them.
         """
-        self._add(self._add_constraints, s, k, penalty, 1.0, 0.0, data)
+        self._add(self._adding(Batch.constrains_positions), s, k, penalty, 1.0, 0.0, data)
         if rates and self.numbering.of_rates.any():
             by_positions, plain, penalized = (np.zeros_like(data) for _ in range(3))
             cases = (0.0, 1.0, 0.0, by_positions), (0.0, 0.0, 1.0, plain), (penalty, 0.0, 1.0, penalized)
             for p, cK, cC, out in cases:
-                self._add(self._add_constraints_of_rates, s, k, p, cK, cC, out)
+                self._add(self._adding(Batch.constrains_rates), s, k, p, cK, cC, out)
             by_positions, plain, penalized = (out[: self.nnz] for out in (by_positions, plain, penalized))
             of_motions = np.where(self.rows >= self.n_q, plain, penalized - plain)
             data[: self.nnz] += np.where(self.cols >= self.n_q, by_positions, of_motions)
@@ -312,12 +274,13 @@ class System:
     ) -> None:  # fmt: skip
         """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of an ``assembly`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
-        self._add_scaled_loads(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
+        add_scaled = self._driver(assembly_driver.add_scaled, loops.tangent, Batch.is_scaled)
+        add_scaled(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
 
     @cached_property
     def coupled_multipliers(self) -> np.ndarray:
         """Indices, ascending, of the multipliers that act on forces other than as reactions, such as friction."""
-        return self._multipliers_of(b for b in self.batches if acts_by_multipliers(b))
+        return self._multipliers_of(b for b in self.batches if b.acts_by_multipliers())
 
     @cached_property
     def sensed_multipliers(self) -> np.ndarray:
@@ -336,6 +299,9 @@ class System:
         """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""
         self._add(self._add_coupled_multipliers, s, k, 0.0, 1.0, 0.0, data)
 
+    def _adding(self, chosen):
+        return self._driver(assembly_driver.add, loops.tangent, chosen)
+
     def _add(self, driver, s, k, penalty, cK, cC, data):
         """Add the tangent cK K + cC C at ``s`` of the elements to which the ``driver`` is bound to ``data``."""
         assembly = Assembly(self, data)
@@ -344,7 +310,8 @@ class System:
     def constraint_derivatives(self, s: State) -> np.ndarray:
         """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        self._constraint_derivatives(self._record_of_tables, s, g)
+        derivatives = self._driver(assembly_driver.constraint_derivatives, loops.constraint_derivatives)
+        derivatives(self._record_of_tables, s, g)
         return g
 
     def observe(self, s: State, forces: np.ndarray | None = None, into: Observation | None = None) -> Observation:
@@ -353,27 +320,24 @@ class System:
         ``forces`` (n_slots,) are those of an Assembly at ``s``; by default they are computed.
         """
         found = Observation(self) if into is None else into
-        self._observe(found.record, s, self.forces(s) if forces is None else forces)
+        observe = self._driver(assembly_driver.observe, loops.observe)
+        observe(found.record, s, self.forces(s) if forces is None else forces)
         return found
 
     def event_values(self, s: State) -> np.ndarray:
         """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
         values = np.zeros(self.n_events)
         if self.n_events:
-            self._write_event_values(self._record_of_tables, s, values)
+            self._driver(assembly_driver.event_values, loops.event_values)(self._record_of_tables, s, values)
         return values
 
     def commit(self, s: State) -> np.ndarray:
         """Return the memory after an accepted step at ``s``."""
-        if not len(s.memory):
-            return s.memory
-        return self._committed(self._commit, s)
+        return self._committed(s, None) if len(s.memory) else s.memory
 
     def commit_jumps(self, s: State) -> np.ndarray:
         """Return the memory after an event or a corner at ``s``, where inputs of signals may have jumped."""
-        if not any(batch.kind.follows_jumps for batch in self.batches):
-            return s.memory
-        return self._committed(self._commit_jumps, s)
+        return self._committed(s, Batch.follows_jumps) if any(map(Batch.follows_jumps, self.batches)) else s.memory
 
     def arrivals(self, memory: np.ndarray) -> list[float]:
         """Return the times [s] at which steps must end that follow from the ``memory``."""
@@ -385,9 +349,9 @@ class System:
                 found += batch.kind.arrivals(p, m)
         return found
 
-    def _committed(self, driver, s):
+    def _committed(self, s, chosen):
         memory = s.memory.copy()
-        driver(self._record_of_tables, s, memory)
+        self._driver(assembly_driver.commit, loops.commit, chosen)(self._record_of_tables, s, memory)
         return memory
 
     def inadmissible(self, s: State) -> list[str]:

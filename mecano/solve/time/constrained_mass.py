@@ -14,6 +14,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
 from mecano.model.assembly_driver import add, assemble, assemble_residual, constraint_derivatives, loops_at
+from mecano.model.batch import Batch
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.loops import constraint_derivatives as of_constraints
 from mecano.model.loops import residual as of_residuals
@@ -271,8 +272,8 @@ class ConstrainedMass(Pointers):
         for name, (loops, batches) in {
             "residuals": system.loops(of_residuals), "tangents": system.loops(of_tangents),
             "constraints": system.loops(of_constraints),
-            "positions": system.loops(of_tangents, lambda batch: batch.kind.multipliers and not batch.kind.of_rates),
-            "rates": system.loops(of_tangents, lambda batch: batch.kind.of_rates),
+            "positions": system.loops(of_tangents, Batch.constrains_positions),
+            "rates": system.loops(of_tangents, Batch.constrains_rates),
         }.items():  # fmt: skip
             self.point_to(**{f"n_{name}": len(loops), name: loops, f"{name[:-1]}_batches": batches})
         n = system.n_data if of.of_rates.any() else 0
