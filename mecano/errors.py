@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import field
 from enum import Enum
+from typing import Self
 
 from mecano.immutable import immutable
 
@@ -54,6 +55,11 @@ class MecanoError(Exception):
     exit_code = 1
     elements: tuple[str, ...] = ()  # titles, "kind 'name'", of the elements in the equations that failed
     places: tuple[str, ...] = ()  # of these equations, "node a"
+
+    def about(self, elements: Iterable[str]) -> Self:
+        """Return this error with the titles of the ``elements`` in the equations that failed."""
+        self.elements = tuple(elements)
+        return self
 
 
 class DeckError(MecanoError):

@@ -88,11 +88,8 @@ def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFini
     if not found:
         return error
     first, _, rest = str(error).partition("\n")
-    named = NonFiniteError(
-        f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, NAMED)}" + (f"\n{rest}" if rest else "")
-    )
-    named.elements = tuple(found)
-    return named
+    text = f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, NAMED)}" + (f"\n{rest}" if rest else "")
+    return NonFiniteError(text).about(found)
 
 
 def undetermined(system: "System", assembly: "Assembly") -> str:
@@ -223,19 +220,17 @@ def _changing_most(system, change):
 def friction_binds(system: "System", i: int, t: float) -> ConvergenceError:
     """Return the error of a joint or contact, with the reaction of index ``i``, whose friction binds at ``t`` [s]."""
     place = system.numbering.name[i].place
-    error = ConvergenceError(
+    return ConvergenceError(
         f"cannot continue from t = {t:.9g} s: {place} binds: its friction grows faster with its reactions than the "
         "motion relieves them, so that rigid bodies have no acceleration, or several\n"
         "what to try: a smaller coefficient of friction; a longer guide; elasticity: a small body between guide and "
         "load, held by an elastic joint or a bushing; a law instead of a rigid contact"
-    )
-    error.elements = (place,)
-    return error
+    ).about([place])
 
 
 def standstill(event: "EventRecord", count: int, t: float) -> ConvergenceError:
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
-    error = ConvergenceError(
+    return ConvergenceError(
         f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
         "what to try: a smaller time.step, if it has much damping; laws of this element without jumps; two levels of a "
@@ -243,6 +238,4 @@ def standstill(event: "EventRecord", count: int, t: float) -> ConvergenceError:
         "wheel that cannot slip, a flexible one: without slip it may be able neither to stay on the ground nor to "
         "leave it; for a rigid contact that slides with much friction, a law in it: rigid bodies may be able neither "
         "to slide on nor to part (Painleve)"
-    )
-    error.elements = (event.element,)
-    return error
+    ).about([event.element])

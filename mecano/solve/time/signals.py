@@ -216,9 +216,7 @@ def _refuse_undetermined(equations, s):
         raise _error([names[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
     if not np.all(known):
         name = names[own[np.argmin(known)]]
-        error = NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
-        error.elements = (name.place,)
-        raise error
+        raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite").about([name.place])
     return reads_rates
 
 
@@ -269,6 +267,4 @@ def _circle(equations, J):
 def _error(titles, when=""):
     circle = " -> ".join([*titles, titles[0]])
     text = f"{when}signals form a loop without a unique solution: {circle}"
-    error = AssemblyError(text, Failure.SINGULAR, timed=True)
-    error.elements = tuple(titles)
-    return error
+    return AssemblyError(text, Failure.SINGULAR, timed=True).about(titles)

@@ -130,6 +130,4 @@ def _of_drives(drives):
 
 def _error(places, text):
     """Return the error with the ``places`` of constraints entered into the ``text``."""
-    error = ConvergenceError(text.replace("{}", name_list(places, NAMED), 1))
-    error.elements = tuple(places)
-    return error
+    return ConvergenceError(text.replace("{}", name_list(places, NAMED), 1)).about(places)
