@@ -3,9 +3,10 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats
-from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, loops_at
+from mecano.model.assembly_driver import assemble_residual, loops_at
 from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
+from mecano.solve.time.radau_step import gap_of
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, stage_of
 from mecano.solve.time.step_control import allowed, factor_of_order, retried
 from mecano.solve.time.step_info import MOST_TURN
@@ -101,14 +102,7 @@ def tried(m, w, r, o):
 @kernel
 def contradict(m, w):
     """Return whether redundant constraints contradict one another at TRIAL by more than half the admissible gap."""
-    if not m.checks_gaps:
-        return False
-    loops, gap = loops_at(w.n_constraints, w.constraints, w.constraint_batches), floats(w.gap, w.n_l)
-    derivatives = floats(w.derivatives, (w.n_l, 3))
-    constraint_derivatives(loops, system_of(w), state_of(w, TRIAL), derivatives)
-    for i in range(w.n_l):
-        gap[i] = derivatives[i, 0]
-    return exceeds_gap(m, gap)
+    return m.checks_gaps != 0 and exceeds_gap(m, gap_of(w, state_of(w, TRIAL), 0))
 
 
 @kernel
