@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_info import StepInfo, Trial
-from mecano.solve.time.stride import DECIDE, ENOUGH, READY, REPEAT, STRETCH, WAIT, stride
+from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT, STRETCH, WAIT, stride
 from mecano.solve.time.stride_arrays import Recorder, StrideArrays
 from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT
 
@@ -60,17 +60,13 @@ class OrdinarySteps:
             return run, None, True
         if self.workspace.held is not run:
             self._load(run)
-        r = self.record[0]
-        r["until"], r["most"], r["done"] = stop, most, 0
-        code = self.arrays.steps(self._make_steps, self.method.patience)
-        if r["done"]:
+        code, advanced = self.arrays.steps(self._make_steps, stop, most, self.method.patience)
+        if advanced:
             run = self.arrays.run(run, self.workspace.last_history(self._tangent))
         # after ENOUGH a step of another size needs a history that is not there
         self.workspace.held = run if code == WAIT or run.h == self.workspace.record["h"][0] else None
         if code == DECIDE:
             return run, self._trial(run), True
-        if code == REPEAT:
-            r["phase"] = READY
         return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
     def _make_steps(self):

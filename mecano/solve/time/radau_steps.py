@@ -7,7 +7,7 @@ from mecano.solve.time.radau_step import attempt
 from mecano.solve.time.radau_stride import stride
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step_info import StepInfo, Trial
-from mecano.solve.time.stride import DECIDE, ENOUGH, READY, REPEAT, STRETCH
+from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT, STRETCH
 from mecano.solve.time.stride_arrays import Recorder, StrideArrays
 from mecano.solve.time.workspace import BEGIN
 
@@ -39,18 +39,13 @@ class RadauSteps:
             self.method.prepare(run.motion, history, run.h)
             self.arrays.put_run(run, self.method.contradictions)
         self.stages.mass.use(self.method.compliance)
-        r = self.record[0]
-        r["until"], r["most"], r["done"] = stop, most, 0
-        code = self.arrays.steps(self._make_steps, self.method.patience)
-        if r["done"]:
+        code, advanced = self.arrays.steps(self._make_steps, stop, most, self.method.patience)
+        if advanced:
             history = self.stages.history(self.workspace.parts(BEGIN)[2].copy(), history.k)
             run = self.arrays.run(run, history)
-        self.workspace.held = run
+        self.workspace.held = None if code == DECIDE else run
         if code == DECIDE:
-            self.workspace.held = None
             return run, self.method.trial(run.motion, history), True
-        if code == REPEAT:
-            r["phase"] = READY
         return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
     def _make_steps(self):

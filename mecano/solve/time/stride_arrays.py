@@ -11,7 +11,7 @@ from mecano.model.loop_records import Pointers, record
 from mecano.solve.time.output import FULL, OUTPUT, Output, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step_info import StepInfo
-from mecano.solve.time.stride import READY, RECORDED, STRIDE
+from mecano.solve.time.stride import READY, RECORDED, REPEAT, STRIDE
 from mecano.solve.time.workspace import BEGIN, Workspace
 
 if TYPE_CHECKING:
@@ -118,17 +118,23 @@ class StrideArrays(Pointers):
             powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=before.compliance,
         )  # fmt: skip
 
-    def steps(self, stride: "Callable[[], int]", patience: float) -> int:
-        """Step on by ``stride``, and empty the buffers of the output as often as they are full; return its code."""
-        full_at = -1
+    def steps(self, stride: "Callable[[], int]", stop: float, most: int, patience: float) -> tuple[int, bool]:
+        """Make at most ``most`` steps towards ``stop`` [s] by ``stride``; return its code, and whether it made any.
+
+        The buffers of the output are emptied as often as they are full.
+        """
+        full_at, r = -1, self.record[0]
+        r["until"], r["most"], r["done"] = stop, most, 0
         self.workspace.record["due"] = clock.monotonic() + patience
         while (code := stride()) == RECORDED:
             assert self.recorder is not None, "steps are recorded only for a recorder"
             if self.output["code"][0] != FULL:
                 self.recorder.refuse(float(self.workspace.states[BEGIN, -1]))
-            self.recorder.empty(again=full_at == self.record["done"][0])
-            full_at = int(self.record["done"][0])
-        return code
+            self.recorder.empty(again=full_at == r["done"])
+            full_at = int(r["done"])
+        if code == REPEAT:
+            r["phase"] = READY
+        return code, r["done"] > 0
 
     def last(self, run: RunState) -> tuple[StepInfo, float]:
         """Return StepInfo and size of the last step, made from ``run``."""
