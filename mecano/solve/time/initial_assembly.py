@@ -30,7 +30,7 @@ def assemble_start(system: "System", linear: "LinearSolver", s: "State", length:
     if not system.n_events:
         return found, moved
     settled = EventMonitor(system).settle(replace(found, memory=system.commit(found)))
-    if np.all(np.abs(system.constraint_derivatives(settled)[:, 0]) <= FULFILLED * constraint_scale(system, length)):
+    if _violations(system, settled, length)[1].max(initial=0.0) <= FULFILLED:
         return found, moved
     found, again = assemble_positions(system, linear, settled, length)
     return found, moved + again
@@ -43,26 +43,26 @@ def assemble_positions(system: "System", linear: "LinearSolver", s: "State", len
     constraints that cannot be met together, or a joint that closed the wrong way round.
     """
     start, of = s, system.numbering
-    scale = constraint_scale(system, length)
     weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
-    iterations = 0
-    while iterations < MAX_ITERATIONS:
-        phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
-        error = np.abs(phi) / scale
-        if not len(phi) or error.max() <= TOLERANCE:
+    for iterations in range(MAX_ITERATIONS + 1):
+        phi, error = _violations(system, s, length)
+        if iterations == MAX_ITERATIONS or error.max(initial=0.0) <= TOLERANCE:
             break
         dq = _least_change(system, linear, s, phi, weight)
         if dq is None or not np.all(np.isfinite(dq)):
             break
         limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
         s = displaced(s, dq / limit, of)
-        iterations += 1
-    phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
-    error = np.abs(phi) / scale
-    if len(phi) and not error.max() <= FULFILLED:
+    if not error.max(initial=0.0) <= FULFILLED:
         raise AssemblyError(_refusal(system, start, s, iterations, length))
     s = displaced(s, np.zeros(system.n_q), of)
     return s, _moved(system, start, s)
+
+
+def _violations(system, s, length):
+    """Return the values (n_l,) [m, rad] of the constraints at ``s``, and their magnitudes over their scales."""
+    phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
+    return phi, np.abs(phi) / constraint_scale(system, length)
 
 
 def _moved(system, start, s):
@@ -73,11 +73,9 @@ def _moved(system, start, s):
 
 
 def _least_change(system, linear, s, phi, weight):
-    bare = s.copy()
-    bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.n_data)
     data[system.diagonal[: system.n_q]] = weight
-    system.add_constraints(bare, 1.0, 0.0, data, rates=False)
+    system.add_constraints(s, 1.0, 0.0, data, rates=False)
     data[system.diagonal[system.n_q :]] -= REGULARIZATION
     b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
     status = linear.solve(data, b, x)
@@ -86,8 +84,7 @@ def _least_change(system, linear, s, phi, weight):
 
 def _refusal(system, start, s, iterations, length):
     """Return the message of an assembly that failed at ``s``: gaps of joints in the deck, and those that remain."""
-    phi = system.constraint_derivatives(s)[:, 0]
-    error = np.abs(phi) / constraint_scale(system, length)
+    phi, error = _violations(system, s, length)
     worst = [i for i in np.argsort(-error)[:NAMED] if not error[i] <= FULFILLED]
     places = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
     taking_part = [f"  taking part: {', '.join(places)}"] if len(places) > 1 else []
@@ -104,8 +101,8 @@ def _refusal(system, start, s, iterations, length):
 
 def most_off(system: "System", s: "State", length: float) -> str:
     """Return as text the constraint of a system with constraints that is violated most at ``s``, and by how much."""
-    phi = system.constraint_derivatives(s)[:, 0]
-    first = int(np.argmax(np.abs(phi) / constraint_scale(system, length)))
+    phi, error = _violations(system, s, length)
+    first = int(np.argmax(error))
     name = system.numbering.name[system.n_q + first]
     return f"{name.place} is most off, by {_size(system, first, phi)} ({name.what})"
 
