@@ -32,6 +32,12 @@ class State:
         z, v, a, R = self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy()
         return State(self.t, z, v, a, R, self.phases, self.memory, self.start_spins)
 
+    def unaccelerated(self) -> "State":
+        """Return a copy without accelerations."""
+        out = self.copy()
+        out.a[:] = 0.0
+        return out
+
 
 class Motion(NamedTuple):
     """The motion in a State, as entries read and write it; compiled code may pass an Instant."""

@@ -197,6 +197,12 @@ class System:
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches) + len(self._state_dofs))
         return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
+    def bare(self, s: State) -> State:
+        """Return a copy of ``s`` without accelerations and multipliers."""
+        out = s.unaccelerated()
+        out.z[self.n_q : self.n] = 0.0
+        return out
+
     def assemble(
         self,
         s: State,
@@ -254,10 +260,11 @@ class System:
         return list(dict.fromkeys(found))
 
     def add_constraints(self, s: State, k: float, penalty: float, data: np.ndarray, rates: bool = True) -> None:
-        """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``.
+        """Add constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``, multipliers apart.
 
         For constraints on velocities, B is the gradient with respect to velocities; ``rates=False`` omits them.
         """
+        s = self.bare(s)
         self._add(self._adding(Batch.constrains_positions), s, k, penalty, 1.0, 0.0, data)
         if rates and self.numbering.of_rates.any():
             by_positions, plain, penalized = (np.zeros_like(data) for _ in range(3))

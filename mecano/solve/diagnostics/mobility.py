@@ -112,13 +112,11 @@ def analyse(system: "System", s: "State", length: float) -> Analysis:
     """Return the Analysis of ``system`` at ``s``; rotations are multiplied by the length scale."""
     B, size, holds = gradient(system, s, length)
     of = system.numbering
-    loops, n_l = in_loops(B, of.group), int(holds.sum())
-    loops, names = loops[holds[loops]], of.name
-    if len(loops) > DENSE_ROWS:
+    (loops, null), n_l, names = dependent_rows(B, of.group, holds), int(holds.sum()), of.name
+    if null is None:
         rows = np.flatnonzero(holds)
         identity = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
         return Analysis(n_l, (), identity, None, B, names, system.signals, holds, False)
-    null = _left_null(B.dense(loops))
     redundant = groups(
         null @ null.T, [of.name[of.n_q + i] for i in loops], lambda: of.name[of.n_q : of.n_q + system.n_l]
     )
@@ -137,10 +135,8 @@ def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.n
     Columns of rotations are divided by the length scale, then rows are normalized. A constraint that is inactive in the
     current phases has a diagonal entry in the tangent, and no gradient.
     """
-    bare = s.copy()
-    bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.n_data)
-    system.add_constraints(bare, 1.0, 0.0, data)
+    system.add_constraints(s, 1.0, 0.0, data)
     at = np.flatnonzero((system.rows >= system.n_q) & (system.cols < system.n_q))
     rows, cols = system.rows[at] - system.n_q, system.cols[at]
     values = -data[at] / np.where(system.numbering.kind[cols] == ROTATION, length, 1.0)

@@ -106,10 +106,8 @@ class ImpactSolution:
         Unconstrained massless unknowns do not resist an impulse; contacts of such unknowns are ``light``.
         """
         system, n_q = self.system, self.system.n_q
-        bare = replace(self.all_held, z=self.all_held.z.copy())
-        bare.z[n_q : system.n] = 0.0
         data = np.zeros(system.n_data)
-        system.add_constraints(bare, 1.0, 0.0, data)
+        system.add_constraints(self.all_held, 1.0, 0.0, data)
         distinct, which = np.unique(n_q + self.leads, return_inverse=True)
         at = np.flatnonzero(np.isin(system.cols, distinct) & (system.rows < n_q))
         gradient = np.zeros((n_q, len(distinct)))

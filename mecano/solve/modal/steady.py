@@ -117,9 +117,7 @@ class Steady:
 
     def begun(self, start: "State") -> "State":
         """Return a State at the positions of ``start`` with the velocities of the motion, without reactions."""
-        s = start.copy()
-        s.a[:] = 0.0
-        s.z[self.n_q : self.system.n] = 0.0
+        s = self.system.bare(start)
         self.motion.begin(s)
         return s
 

@@ -49,13 +49,10 @@ class Consistent:
         Raises AssemblyError if the matrix is singular.
         """
         self.system, self.linear, self._assembly = system, linear, system.kept(Assembly)
-        bare = s.copy()
-        bare.a[:] = 0.0
-        bare.z[system.n_q : system.n] = 0.0
         data, self.loose, self.k, self.softness = system.kept(ConstrainedMass).at(s, length, compliance)
         scalars = system.numbering.kind[: system.n_q] == SCALAR
         self.massless = MasslessScalars(system, np.flatnonzero(self.loose & scalars))
-        self.data, self.bare, self.compliance = data, bare, compliance
+        self.data, self.bare, self.compliance = data, system.bare(s), compliance
         self._factor()
 
     def repeats(self) -> bool:

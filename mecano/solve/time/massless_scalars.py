@@ -47,7 +47,7 @@ class MasslessScalars:
                 return
             s.v[own] -= fast @ K @ s.v[own]
             s.z[own] -= fast @ self._unbalanced(s)
-            dt, steady = DIFFERENCE * h, _without_acceleration(s)
+            dt, steady = DIFFERENCE * h, s.unaccelerated()
             now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
             s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
             s.z[own] -= fast @ self._unbalanced(s)
@@ -130,9 +130,3 @@ def _inverse(A):
 def _same(before, now):
     """Return whether vectors differ by rounding only."""
     return np.abs(now - before).max() <= ROUNDING * np.abs(now).max()
-
-
-def _without_acceleration(s):
-    out = s.copy()
-    out.a[:] = 0.0
-    return out

@@ -46,8 +46,7 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
 
 def _find_rates(equations, s, dt):
     """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
-    system, along = equations.system, s.copy()
-    along.a[:] = 0.0
+    system, along = equations.system, s.unaccelerated()
     first, second = (_solve(equations, moved(along, i * dt, system.numbering)) for i in (1, 2))
     at_once, states = np.flatnonzero(system.signals & ~system.states), np.flatnonzero(system.states)
     s.v[at_once] = (4.0 * first.z - 3.0 * s.z - second.z)[at_once] / (2.0 * dt)

@@ -84,9 +84,8 @@ def _factored(method, s):
 def _before(method, s):
     """Return the state ``s`` moved back along its velocities by BACK, as a share of the length scale or in rad."""
     of = method.system.numbering
-    fastest, at_constant_rates = largest(s.v, of.kind, of.n_q, method.length), s.copy()
-    at_constant_rates.a[:] = 0.0
-    return moved(at_constant_rates, -BACK / fastest if fastest > 0.0 else 0.0, of)
+    fastest = largest(s.v, of.kind, of.n_q, method.length)
+    return moved(s.unaccelerated(), -BACK / fastest if fastest > 0.0 else 0.0, of)
 
 
 def cannot_go_on(places: Sequence[str], drives: Sequence[str], t: float) -> ConvergenceError:
