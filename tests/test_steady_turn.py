@@ -6,6 +6,7 @@ from time_runs import RecordedRun, deck
 
 from mecano.analyses.prepare import prepare
 from mecano.errors import ConvergenceError
+from mecano.solve.modal.steadiness import require_steady
 from mecano.solve.modal.steady import Steady
 from mecano.solve.modal.steady_turn import Turn
 
@@ -64,6 +65,6 @@ def test_a_turn_that_is_not_found_is_named():
     turn = Turn(prepared.system, [0.0, 0.0, 2.5], [0.0, 1.2, 0.0])
     steady = Steady(prepared.system, prepared.length, turn)
     with pytest.raises(ConvergenceError) as info:
-        turn.require_steady(steady, steady.begun(prepared.state), False)
+        require_steady(steady, steady.begun(prepared.state), False)
     assert str(info.value).startswith("no steady turn with the angular velocity [0.0, 0.0, 2.5] rad/s was found")
     assert "a drive that balances the drag in a turn" in str(info.value)

@@ -29,6 +29,7 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.lowered_start import lowered
+from mecano.solve.modal.steadiness import require_steady
 from mecano.solve.time.increments import displaced, reach_of
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ class Steady:
                 s, arrived = crept, settled
             if not arrived:
                 s, arrived = self.motion.follow(self, start, s)
-        self.motion.require_steady(self, s, arrived)
+        require_steady(self, s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
         return s
 

@@ -21,10 +21,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.errors import ConvergenceError
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3, skew
-from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.modal.spin_up import spin_up
 
 if TYPE_CHECKING:
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
     from mecano.model.system import System
     from mecano.solve.modal.steady import Steady, Tangent
 
-STEADY = 1e-6  # largest change of forces in a turn of one radian, relative; of constraints, relative to the speed
+STEADY = 1e-6  # largest change of forces in a turn of one radian, relative
 RANK = 1e-12  # of the largest singular value of the columns of reactions
 
 
@@ -45,8 +43,14 @@ class Rotation:
     relaxes = True  # a relaxed state is preferred to one of another shape, which may be unstable
     fading = 0.8  # additional factor on the drag in each step of the relaxation: arms may swing far
     name = "steady rotation"
-    tries = (
+    remedy = (
         "initial positions nearer to it; a drive that balances the moment of loads about the axis (prescribed_angle)"
+    )
+
+    remedy_for_constraints = "the same speed in prescribed motions; 'at_rest' with the nodes that do not turn"
+    remedy_for_forces = (
+        "gravity and other loads along the axis of rotation, or none; supports that are alike in all directions across "
+        "it, or, for critical speeds, a rotor without unbalance"
     )
 
     def __init__(self, system: "System", w: Sequence[float], about: Sequence[float], at_rest: Collection[str] = ()):
@@ -107,31 +111,18 @@ class Rotation:
         """Return the derivatives C (n, n) by velocities, unchanged: no part spins in the axes."""
         return C
 
-    def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
-        """Raise ConvergenceError if the state is not in steady rotation."""
-        system, at = steady.system, steady.tangent(s)
-        text = f"no {self.name} with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
-        if not arrived:
-            assembly = system.assemble(s, cK=1.0)
-            raise ConvergenceError(
-                f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(system, assembly)}\nwhat to try: {self.tries}"
-            )
-        off = np.abs(at.rates) / steady.speed
-        if off.max(initial=0.0) > STEADY:
-            name = system.numbering.name[self.n_q + int(np.argmax(off))]
-            raise ConvergenceError(
-                f"{text}: the constraint '{name}' would be violated over time; what to try: the same speed in "
-                "prescribed motions; 'at_rest' with the nodes that do not turn"
-            )
-        change = self._change(steady, s) / steady.root
-        if np.any(change > steady.allowed(at.size, at.rounding, STEADY)):
-            name = system.numbering.name[int(np.argmax(change))]
-            raise ConvergenceError(
-                f"{text}: the forces change over time, in {name}; what to try: gravity and other loads along the axis "
-                "of rotation, or none; supports that are alike in all directions across it, or, for critical speeds, a "
-                "rotor without unbalance"
-            )
+    @property
+    def title(self) -> str:
+        """The motion in the words of an error."""
+        return f"{self.name} with the angular velocity {np.round(self.w, 9).tolist()} rad/s"
+
+    def cause_of_imbalance(self, steady: "Steady", s: "State", at: "Tangent") -> str:
+        """Return an empty text: no cause is known."""
+        return ""
+
+    def change_of_forces(self, steady: "Steady", s: "State", at: "Tangent") -> tuple[np.ndarray, np.ndarray]:
+        """Return the out-of-balance forces (n_q,) after a turn by 1 rad, moments over the length scale; the largest."""
+        return self._change(steady, s) / steady.root, steady.allowed(at.size, at.rounding, STEADY)
 
     def _change(self, steady, s):
         """Return the out-of-balance forces (n_q,) after the nodes have turned by one radian; reactions balance theirs.

@@ -32,7 +32,7 @@ class Turn(Rotation):
     relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
     fading = 1.0  # additional factor on the drag in each step of the relaxation
     name = "steady turn"
-    tries = (
+    remedy = (
         "initial positions nearer to it; a drive that balances the drag in a turn, which has an integrator as in "
         "docs/tyres.md; a speed at which the tyres hold"
     )

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, name_list
+from mecano.errors import name_list
 from mecano.model.numbering import SIGNAL
-from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.modal.free_spins import roll, turning, unturned
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from mecano.model.system import System
     from mecano.solve.modal.steady import Steady, Tangent
 
-STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
+STEADY = 1e-6  # largest relative change of forces per radian or length scale
 DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
 SHARE, MOST_NAMED = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
 
@@ -34,6 +33,12 @@ class Straight:
 
     relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
     fading = 1.0  # additional factor on the drag in each step of the relaxation
+    remedy = (
+        "initial positions nearer to it; a velocity along the road, which is flat at the start, in the forward "
+        "direction of the wheels; a force that balances the drag; wheels in balance about their axles (inertias are "
+        "given in the axes of the node)"
+    )
+    remedy_for_constraints = remedy_for_forces = remedy
 
     def __init__(self, system: "System", V: Sequence[float]):
         of, self.V = system.numbering, np.asarray(V, float)
@@ -114,33 +119,21 @@ class Straight:
         K[self.at_once] = K[:, self.at_once] = 0.0
         return K
 
-    def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
-        """Raise ConvergenceError if the state is not in steady running."""
-        at = steady.tangent(s)
-        text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"
-        tries = (
-            "what to try: initial positions nearer to it; a velocity along the road, which is flat at the start, in "
-            "the forward direction of the wheels; a force that balances the drag; wheels in balance about their axles "
-            "(inertias are given in the axes of the node)"
-        )
-        if not arrived:
-            assembly = steady.system.assemble(s, cK=1.0)
-            raise ConvergenceError(
-                f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(steady.system, assembly)}{self._drag(steady, s, at)}\n{tries}"
-            )
-        off = np.abs(at.rates) / steady.speed
-        if off.max(initial=0.0) > STEADY:
-            name = steady.system.numbering.name[self.n_q + int(np.argmax(off))]
-            raise ConvergenceError(f"{text}: the constraint '{name}' would be violated over time\n{tries}")
-        K, v = self._without_signals(at.K[: self.n_q, : self.n_q]), s.v[: self.n_q]
-        change, force = np.abs(K @ v) / steady.root, (at.size / steady.root).max(initial=0.0)
-        rate = max(steady.speed / steady.length, np.abs(v[steady.turning]).max(initial=0.0))
-        if change.max(initial=0.0) > STEADY * force * rate:
-            name = steady.system.numbering.name[int(np.argmax(change))]
-            raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
+    @property
+    def title(self) -> str:
+        """The motion in the words of an error."""
+        return f"straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s"
 
-    def _drag(self, steady, s, at):
+    def change_of_forces(self, steady: "Steady", s: "State", at: "Tangent") -> tuple[np.ndarray, float]:
+        """Return the rates (n_q,) [N/s] of the out-of-balance forces, moments over the length scale; the largest one.
+
+        Forces may change by STEADY of the largest while the vehicle runs a length scale, or its wheels turn by 1 rad.
+        """
+        K, v = self._without_signals(at.K[: self.n_q, : self.n_q]), s.v[: self.n_q]
+        rate = max(steady.speed / steady.length, np.abs(v[steady.turning]).max(initial=0.0))
+        return np.abs(K @ v) / steady.root, STEADY * float((at.size / steady.root).max(initial=0.0)) * rate
+
+    def cause_of_imbalance(self, steady: "Steady", s: "State", at: "Tangent") -> str:
         """Return a sentence on the sum of all forces along the road, if it is the largest; reactions have none."""
         way = self.V / (np.linalg.norm(self.V) or 1.0)
         drag = float(way @ at.f[self.free].sum(axis=0))
