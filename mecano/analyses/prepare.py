@@ -233,13 +233,13 @@ def warnings_of(prepared: Prepared) -> list[str]:
             "nothing can move: the constraints leave no motion, and none is prescribed. Is an axis wrong, or a joint "
             "too many?"
         )
-    return texts + [text for group in prepared.redundant for text in _drives_in(deck, group)]
+    return texts + [text for group in prepared.redundant for text in _drives_in(deck, prepared.system, group)]
 
 
 def _is_immobile(prepared):
     """Return whether the constraints hold everything in place, and no event can change that."""
-    joints = prepared.deck.values["joints"].values()
-    driven = any(d["type"].startswith("prescribed_") or d.get("driven") for d in joints)
+    elements = prepared.system.model.elements
+    driven = any(element.kind.drives(element.values) or element.values.get("driven") for element in elements)
     held = prepared.analysis.complete and prepared.analysis.mobility == 0
     return held and not driven and prepared.system.n_events == 0
 
@@ -265,14 +265,14 @@ def mass_of(system: System) -> float:
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in (batch.p.dtype.names or ()))
 
 
-def _drives_in(deck, group):
+def _drives_in(deck, system, group):
     """Yield a warning for each drive of a redundant group, whose motion the others of the group hold or prescribe."""
     places = {name.place for name in group.names}
-    for name, d in deck.values["joints"].items():
-        title = title_of(d["type"], name)
-        if d["type"].startswith("prescribed_") and title in places and _moves(d.get("length") or d["value"]):
+    for joint in system.model.elements:
+        title = title_of(joint.kind.name, joint.name)
+        if title in places and any(map(_moves, joint.kind.drives(joint.values))):
             yield (
-                f"{deck.mark('joints', name)}: {title} repeats other constraints at the start: either they "
+                f"{deck.mark('joints', joint.name)}: {title} repeats other constraints at the start: either they "
                 "hold or prescribe the same motion, or it acts across the motion that it should drive; a "
                 "prescribed_length acts along the line of its nodes, a generic joint with 'driven' along an axis"
             )

@@ -118,6 +118,8 @@ class DeckEntry:
     counts_angles: Callable = nothing
     """deck values -> [(field of the axis, axis (3,), (node a, node b))] of a joint that holds angles of b relative to
     a: a joint of their bodies that turns FREELY must have the same axis"""
+    drives: Callable = nothing
+    """deck values -> [motion]: laws or formulas of time that a joint prescribes, if it does nothing else"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
     lower_limits: Callable = nothing

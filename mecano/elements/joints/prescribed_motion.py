@@ -50,6 +50,9 @@ def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",
         axes, motion, zero = motion_of(d, nodes)
         return [drive_part(constraint, on, axes, motion, zero, context)]
 
+    def drives(d):
+        return [d[name] for name in motions if d[name] is not None]
+
     def kind(motion):
         """Return the Kind of a joint whose coordinate follows this motion."""
         target = motion.at
@@ -64,7 +67,7 @@ def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",
 
         return Kind(
             name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout,
-            dtype=record(**coordinate.axes, **motion.fields), **named(prepare, parts, observe), **declared,
+            dtype=record(**coordinate.axes, **motion.fields), **named(prepare, parts, drives, observe), **declared,
         )  # fmt: skip
 
     return with_motion(kind, *motions)

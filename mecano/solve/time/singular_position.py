@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, name_list
+from mecano.model.model import title_of
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.increments import largest, moved
@@ -58,7 +59,9 @@ class Amplification:
 
     def drives(self, consistent: "Consistent") -> list[str]:
         """Return the prescribed motions that may lead to a singular position, at a factored ``Consistent``."""
-        return [place for place in self.places(consistent, DRIVES) if place.startswith("prescribed_")]
+        joints = self.system.model.elements
+        drives = {title_of(joint.kind.name, joint.name) for joint in joints if joint.kind.drives(joint.values)}
+        return [place for place in self.places(consistent, DRIVES) if place in drives]
 
 
 def refuse_singular(method: "Method", s: "State") -> None:
