@@ -30,6 +30,30 @@ def loops_at(n, addresses, batches):
 
 
 @kernel
+def residual_loops(pointers):
+    """Return the Loops of the residual from a record of Pointers."""
+    return loops_at(pointers.n_residual_loops, pointers.residual_loops, pointers.residual_batches)
+
+
+@kernel
+def tangent_loops(pointers):
+    """Return the Loops of the tangent from a record of Pointers."""
+    return loops_at(pointers.n_tangent_loops, pointers.tangent_loops, pointers.tangent_batches)
+
+
+@kernel
+def constraint_loops(pointers):
+    """Return the Loops of the derivatives of the constraints from a record of Pointers."""
+    return loops_at(pointers.n_constraint_loops, pointers.constraint_loops, pointers.constraint_batches)
+
+
+@kernel
+def observe_loops(pointers):
+    """Return the Loops of outputs and energies from a record of Pointers."""
+    return loops_at(pointers.n_observe_loops, pointers.observe_loops, pointers.observe_batches)
+
+
+@kernel
 def bind_state(system, s):
     """Bind the loops to this state."""
     to = system[0]

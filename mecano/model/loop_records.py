@@ -1,16 +1,24 @@
 """Records of the arrays of a batch and of the system, which the compiled loops over elements read."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import items
 
+if TYPE_CHECKING:
+    from mecano.model.assembly_driver import Loops
 
-def fields(floats="", words=""):
-    """Return the type of a record of numbers and of words (addresses, lengths)."""
+
+def fields(floats="", words="", loops=""):
+    """Return the type of a record of numbers, of words (addresses, lengths), and of Loops, by their purposes."""
+    words += "".join(f" {name}" for purpose in loops.split() for name in _fields_of_loops(purpose))
     return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
+
+
+def _fields_of_loops(purpose):
+    return f"n_{purpose}_loops", f"{purpose}_loops", f"{purpose}_batches"
 
 
 # Addresses of the functions of the kind, index of the current element, addresses of arrays, and their lengths
@@ -56,6 +64,12 @@ class Pointers:
                 self._arrays[name] = value
                 value = value.ctypes.data
             self.record[name] = value
+
+    def point_to_loops(self, **loops: "Loops") -> None:
+        """Set the fields of Loops, given by their purposes."""
+        for purpose, (addresses, batches) in loops.items():
+            values = len(addresses), addresses, batches
+            self.point_to(**dict(zip(_fields_of_loops(purpose), values, strict=True)))
 
     def array(self, name: str) -> np.ndarray:
         """Return the array to which a field points."""

@@ -17,7 +17,7 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.model.assembly_driver import assemble, bind_state, loops_at, residual
+from mecano.model.assembly_driver import assemble, bind_state, residual, residual_loops, tangent_loops
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
@@ -90,7 +90,7 @@ def iterate(w):
     s, start, of, by = state_of(w, TRIAL), state_of(w, BEGIN), unknowns_of(w), Weights(w.k, w.cC, w.cM, w.h)
     r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
     report, system = floats(w.report, 8), system_of(w)
-    loops = loops_at(w.n_loops, w.loops, w.batches)
+    loops = residual_loops(w)
     share = SHARE if w.kept and not w.renewed else 1.0
     bind_state(system, s)
     system[0].lag, code = 1.0 / w.cC, CONTINUE
@@ -145,7 +145,7 @@ def shorten(w, work):
     """
     s, start, of, by = state_of(w, TRIAL), state_of(w, BEGIN), unknowns_of(w), Weights(w.k, w.cC, w.cM, w.h)
     r, x, system = floats(w.residual, w.n_all), floats(w.increment, w.n), system_of(w)
-    loops = loops_at(w.n_loops, w.loops, w.batches)
+    loops = residual_loops(w)
     low, high, share, scale = 0.0, 1.0, 1.0, 1.0
     for _ in range(MOST_HALVINGS):
         change = 0.5 * (low + high) - share
@@ -250,8 +250,7 @@ def evaluate(w, which):
     s, T, system = state_of(w, which), floats(w.T, (3 * w.n_rotations, 3, 3)), system_of(w)
     by = Weights(w.k, w.cC, w.cM, w.h)
     motion_tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, start_spins(w, which), s, by, T)
-    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    assemble(loops, system, s, T, w.k, w.penalty, 1.0, w.cC, w.cM)
+    assemble(tangent_loops(w), system, s, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, s.z, floats(w.residual, w.n_all))
     soften_tangent(w, system[0], 1.0)
 

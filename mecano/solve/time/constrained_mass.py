@@ -13,7 +13,16 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
-from mecano.model.assembly_driver import add, assemble, assemble_residual, constraint_derivatives, loops_at
+from mecano.model.assembly_driver import (
+    add,
+    assemble,
+    assemble_residual,
+    constraint_derivatives,
+    constraint_loops,
+    loops_at,
+    residual_loops,
+    tangent_loops,
+)
 from mecano.model.batch import Batch
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.loops import constraint_derivatives as of_constraints
@@ -32,11 +41,10 @@ if TYPE_CHECKING:
 MASS = fields(
     floats="k length softness",
     words="n_q n_l n n_all n_rotations nnz n_data system z a T kind rows columns diagonal signals massless loose alone "
-    "n_residuals residuals residual_batches n_tangents tangents tangent_batches "
-    "n_positions positions position_batches n_rates rates rate_batches by_positions plain penalized "
-    "n_constraints constraints constraint_batches derivatives "
+    "by_positions plain penalized derivatives "
     "n_entries entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection violated "
     "solve solve_words solve_results substitute substitute_words right solution",
+    loops="residual tangent position rate constraint",
 )
 SECOND = 2  # column of the second rates of the constraints
 SOFTNESS = 1e-8  # of the accelerations, those by compliances: rounding disturbs the reactions by as much of themselves
@@ -50,11 +58,10 @@ def assemble_mass(mass: Records(MASS), s: Instant):
     """
     m = mass[0]
     bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (3 * m.n_rotations, 3, 3))
-    loops = loops_at(m.n_tangents, m.tangents, m.tangent_batches)
-    assemble(loops, system, bare, T, 1.0, 0.0, 0.0, 0.0, 1.0)
+    assemble(tangent_loops(m), system, bare, T, 1.0, 0.0, 0.0, 0.0, 1.0)
     m.k = mean_mass(m)
-    add(loops_at(m.n_positions, m.positions, m.position_batches), system, bare, T, m.k, m.k, 1.0, 0.0)
-    if m.n_rates:
+    add(loops_at(m.n_position_loops, m.position_loops, m.position_batches), system, bare, T, m.k, m.k, 1.0, 0.0)
+    if m.n_rate_loops:
         add_rates(m, system, bare, T)
     hold_loose(m)
     soften_mass(m)
@@ -92,7 +99,7 @@ def mean_mass(m):
 @kernel
 def add_rates(m, system, bare, T):
     """Replace the gradients of constraints on velocities by positions with those by velocities."""
-    loops, own = loops_at(m.n_rates, m.rates, m.rate_batches), system[0].data
+    loops, own = loops_at(m.n_rate_loops, m.rate_loops, m.rate_batches), system[0].data
     add_alone(m, system, loops, bare, T, 0.0, 1.0, 0.0, m.by_positions)
     add_alone(m, system, loops, bare, T, 0.0, 0.0, 1.0, m.plain)
     add_alone(m, system, loops, bare, T, m.k, 0.0, 1.0, m.penalized)
@@ -197,8 +204,8 @@ def accelerate(m, s, v, z_out, a_out):
     """Compute the accelerations and multipliers in ``z_out`` at the positions of ``s`` and velocities ``v``."""
     bare, system = bare_state(m, s, v), items(m.system, 1, SYSTEM)
     g, b, x = floats(m.derivatives, (m.n_l, 3)), floats(m.right, m.n), floats(m.solution, m.n)
-    constraint_derivatives(loops_at(m.n_constraints, m.constraints, m.constraint_batches), system, bare, g)
-    assemble_residual(loops_at(m.n_residuals, m.residuals, m.residual_batches), system, bare, 1.0, 0.0)
+    constraint_derivatives(constraint_loops(m), system, bare, g)
+    assemble_residual(residual_loops(m), system, bare, 1.0, 0.0)
     residual, loose, signals = floats(system[0].residual, m.n_q), integers(m.loose, m.n_q), integers(m.signals, m.n_q)
     for i in range(m.n_q):
         b[i] = 0.0 if loose[i] else -residual[i]
@@ -269,13 +276,12 @@ class ConstrainedMass(Pointers):
             solution=np.zeros(of.n), solve_results=np.zeros(len(multifrontal.solve.returns)),
             **compliance_fields(None),
         )  # fmt: skip
-        for name, (loops, batches) in {
-            "residuals": system.loops(of_residuals), "tangents": system.loops(of_tangents),
-            "constraints": system.loops(of_constraints),
-            "positions": system.loops(of_tangents, Batch.constrains_positions),
-            "rates": system.loops(of_tangents, Batch.constrains_rates),
-        }.items():  # fmt: skip
-            self.point_to(**{f"n_{name}": len(loops), name: loops, f"{name[:-1]}_batches": batches})
+        self.point_to_loops(
+            residual=system.loops(of_residuals), tangent=system.loops(of_tangents),
+            constraint=system.loops(of_constraints),
+            position=system.loops(of_tangents, Batch.constrains_positions),
+            rate=system.loops(of_tangents, Batch.constrains_rates),
+        )  # fmt: skip
         n = system.n_data if of.of_rates.any() else 0
         self.point_to(by_positions=np.zeros(n), plain=np.zeros(n), penalized=np.zeros(n))
 

@@ -18,7 +18,7 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
-from mecano.model.assembly_driver import assemble, loops_at
+from mecano.model.assembly_driver import assemble, tangent_loops
 from mecano.model.loop_records import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
@@ -38,8 +38,7 @@ WORDS = "system masses solve solve_words solve_results substitute substitute_wor
 @kernel
 def assemble_at_end(w, f, k, penalty, cK, cM):
     """Assemble a tangent of these weights at TRIAL, for variations in its axes."""
-    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    assemble(loops, items(f.system, 1, SYSTEM), state_of(w, TRIAL), in_own_axes(w), k, penalty, cK, 0.0, cM)
+    assemble(tangent_loops(w), items(f.system, 1, SYSTEM), state_of(w, TRIAL), in_own_axes(w), k, penalty, cK, 0.0, cM)
 
 
 @kernel

@@ -13,7 +13,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model import loops
 from mecano.model.assembly import Observation
-from mecano.model.assembly_driver import loops_at, observe
+from mecano.model.assembly_driver import observe, observe_loops
 from mecano.model.extremes import Extremes, update
 from mecano.model.loop_records import SYSTEM, fields, record
 from mecano.model.sampler import Nodes, Observed, Sampler, blend, fill, node_rows
@@ -48,9 +48,10 @@ OUTPUT = fields(
     floats="every start end wanted h iterations error share rejected forces constraints increment dissipated given",
     words="stage code which saved row_size n_rows rows most_rows n_steps steps most_steps row0 row1 between "
     "high high_time low low_time n_outputs outputs energy n_nodes x r rotation first n_pairs pairs n_turned turned "
-    "n_geometric geometric n_observed observed observed_batches observation "
+    "n_geometric geometric observation "
     "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes "
     "stages stages_words within within_words stage_rows",
+    loops="observe",
 )
 
 
@@ -186,7 +187,7 @@ def interpolate_row(o, w, t, row0, row, out):
 def put_geometry(o, w, s, out):
     """Write the geometric outputs at the interpolated motion into the row."""
     observation, system = items(o.observation, 1, SYSTEM), system_of(w)[0]
-    observed = loops_at(o.n_observed, o.observed, o.observed_batches)
+    observed = observe_loops(o)
     observe(observed, observation, s, floats(system.force, system.n_slots))
     found, geometric = floats(observation[0].outputs, o.n_outputs), integers(o.geometric, o.n_geometric)
     for i in range(o.n_geometric):
@@ -245,7 +246,7 @@ class Output:
         self.row = np.zeros(n)  # at the beginning of the next step, behind the events there
         x, r, rotation = sampler.nodes
         self._within = Observation(sampler.system)
-        observed, observed_batches = sampler.system.loops(loops.observe)
+        observing = sampler.system.loops(loops.observe)
         arrays = {
             "rows": self.rows, "steps": self.steps, "row0": self.row, "row1": np.zeros(n), "between": np.zeros(n),
             "high": extremes.high, "high_time": extremes.high_time, "low": extremes.low, "low_time": extremes.low_time,
@@ -253,7 +254,7 @@ class Output:
             "pairs": sampler.pairs, "turned": sampler.rotations, "columns": ringing.columns,
             "difference": ringing.difference, "signs": ringing.signs, "swing": ringing.swing,
             "swing_time": ringing.time, "largest": ringing.largest,
-            "geometric": sampler.geometric, "observed": observed, "observed_batches": observed_batches,
+            "geometric": sampler.geometric, "observe_loops": observing.addresses, "observe_batches": observing.batches,
             "observation": self._within.record,
             "end_columns": np.array([column for column, _ in ends], np.int64),
             "end_sizes": np.array([size for _, size in ends]),
@@ -263,7 +264,8 @@ class Output:
         self.record = record(
             OUTPUT, every=every, start=start, end=end, row_size=n, most_rows=most_rows, most_steps=most_steps,
             n_outputs=len(observation.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
-            n_turned=len(sampler.rotations), n_geometric=len(sampler.geometric), n_observed=len(observed),
+            n_turned=len(sampler.rotations), n_geometric=len(sampler.geometric),
+            n_observe_loops=len(observing.addresses),
             n_forces=len(ringing.columns), n_ends=len(ends),
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip

@@ -8,7 +8,7 @@ the range of the two neighbours: forces evaluated at an interpolated state would
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
-from mecano.model.assembly_driver import assemble_residual, loops_at, observe
+from mecano.model.assembly_driver import assemble_residual, observe, observe_loops, residual_loops
 from mecano.model.loop_records import SYSTEM
 from mecano.model.sampler import QUATERNION, Observed, fill
 from mecano.model.state import Instant
@@ -85,8 +85,8 @@ def put_motion(o, w, r, u, out):
 def observed_at(w, r, s):
     """Return outputs and energies at a state; they overwrite those of the end, which the integrator observes later."""
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
-    assemble_residual(loops_at(w.n_loops, w.loops, w.batches), system, s, 1.0, 0.0)
+    assemble_residual(residual_loops(w), system, s, 1.0, 0.0)
     observation[0].outputs, observation[0].energy = r.outputs + 16 * r.n_outputs, r.energies + 64
     forces = floats(system[0].force, system[0].n_slots)
-    observe(loops_at(r.n_observed, r.observed, r.observed_batches), observation, s, forces)
+    observe(observe_loops(r), observation, s, forces)
     return Observed(row_of(r.outputs, 2, r.n_outputs), row_of(r.energies, 2, 4))

@@ -6,7 +6,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
 from mecano.maths.so3 import exp, tangent, tangent_inverse
 from mecano.maths.vector import mat, put, put_matrix, vec
-from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, loops_at
+from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, constraint_loops, residual_loops
 from mecano.model.numbering import ROTATION, SIGNAL, STATE
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.events.compliance import OF_RELEASED
@@ -158,12 +158,12 @@ def turn(w, R0, theta, s_out):
 def residual(w, r, s, F_out):
     """Compute the residual (n,) at a state: equations of motion, and second rates of the constraints times -k."""
     system, g, n_q, n_l = system_of(w), floats(w.derivatives, (w.n_l, 3)), w.n_q, w.n_l
-    assemble_residual(loops_at(w.n_loops, w.loops, w.batches), system, s, w.k, 0.0)
+    assemble_residual(residual_loops(w), system, s, w.k, 0.0)
     equations = floats(w.residual, w.n_all)
     for d in range(n_q):
         F_out[d] = equations[d]
     if n_l:
-        constraint_derivatives(loops_at(w.n_constraints, w.constraints, w.constraint_batches), system, s, g)
+        constraint_derivatives(constraint_loops(w), system, s, g)
         for j in range(n_l):
             F_out[n_q + j] = -w.k * g[j, SECOND]
     if w.n_entries:

@@ -5,7 +5,14 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
-from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, loops_at, observe
+from mecano.model.assembly_driver import (
+    assemble_residual,
+    constraint_derivatives,
+    constraint_loops,
+    observe,
+    observe_loops,
+    residual_loops,
+)
 from mecano.model.loop_records import SYSTEM
 from mecano.model.numbering import ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
@@ -171,8 +178,8 @@ def observe_stages(w, r):
     r.unbalanced = 0.0
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
     residuals, observed = (
-        loops_at(w.n_loops, w.loops, w.batches),
-        loops_at(r.n_observed, r.observed, r.observed_batches),
+        residual_loops(w),
+        observe_loops(r),
     )
     for i in range(3):
         s = stage_of(w, r, i)
@@ -302,7 +309,7 @@ def projected(w, r, m):
 def gap_of(w, s, order):
     """Return by how much a state violates the constraints (n_l,), those on positions alone, or their rates."""
     g, gap, of_rates = floats(w.derivatives, (w.n_l, 3)), floats(w.gap, w.n_l), integers(w.exact_rates, w.n_l)
-    constraint_derivatives(loops_at(w.n_constraints, w.constraints, w.constraint_batches), system_of(w), s, g)
+    constraint_derivatives(constraint_loops(w), system_of(w), s, g)
     for i in range(w.n_l):
         gap[i] = 0.0 if order == 0 and of_rates[i] else g[i, order]
     return gap

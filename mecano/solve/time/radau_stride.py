@@ -3,7 +3,7 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats
-from mecano.model.assembly_driver import assemble_residual, loops_at
+from mecano.model.assembly_driver import assemble_residual, residual_loops
 from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.radau_step import gap_of
@@ -108,7 +108,7 @@ def contradict(m, w):
 @kernel
 def accept(m, w, r, o, change, share):
     """Commit memories, observe the outputs, add the work of the stages, plan the next step."""
-    assemble_residual(loops_at(w.n_loops, w.loops, w.batches), system_of(w), state_of(w, TRIAL), 1.0, 0.0)
+    assemble_residual(residual_loops(w), system_of(w), state_of(w, TRIAL), 1.0, 0.0)
     take(m, w)
     work = floats(r.work, (3, 2))
     m.dissipated += work[2, 0]

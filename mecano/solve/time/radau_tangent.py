@@ -18,7 +18,7 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.model.assembly_driver import assemble, loops_at
+from mecano.model.assembly_driver import assemble, tangent_loops
 from mecano.solve.linear.newton import NOT_FINITE, SINGULAR, STALE
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.radau_stages import place
@@ -87,8 +87,7 @@ def differentiate(w, r, dt):
 def assemble_part(w, r, which, part, cK, cC, cM):
     """Assemble the tangent of these weights at one of the states."""
     system, T = system_of(w), floats(w.T, (3 * w.n_rotations, 3, 3))
-    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    assemble(loops, system, state_of(w, which), T, w.k, 0.0, cK, cC, cM)
+    assemble(tangent_loops(w), system, state_of(w, which), T, w.k, 0.0, cK, cC, cM)
     data, out = floats(system[0].data, w.nnz), floats(r.parts + 8 * part * w.nnz, w.nnz)
     for i in range(w.nnz):
         out[i] = data[i]

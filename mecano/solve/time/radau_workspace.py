@@ -46,7 +46,8 @@ RADAU = fields(
     "real_scale complex_scale real_right complex_right correction "
     "factor_real factor_real_words real_outcome solve_real solve_real_words "
     "factor_complex factor_complex_words complex_outcome solve_complex solve_complex_words "
-    "n_outputs n_observed observed observed_batches observation outputs energies work mass violation",
+    "n_outputs observation outputs energies work mass violation",
+    loops="observe",
 )
 
 
@@ -105,10 +106,10 @@ class RadauWorkspace(Pointers):
         self.z, self.v, self.a = np.zeros((3, 3, of.n_all))
         self.work, self.energies = np.zeros((3, 2)), np.zeros((3, 4))
         own = "velocities reactions last_velocities last_reactions t R z v a work energies"
-        loops, batches = system.loops(observe)
+        self.point_to_loops(observe=system.loops(observe))
         self.point_to(
-            n_observed=len(loops), has_rates=of.of_rates.any(), real=REAL, complex_real=COMPLEX.real,
-            complex_imaginary=COMPLEX.imag, observed=loops, observed_batches=batches,
+            has_rates=of.of_rates.any(), real=REAL, complex_real=COMPLEX.real,
+            complex_imaginary=COMPLEX.imag,
             **{name: getattr(self, name) for name in own.split()},
             nodes=NODES, A=A, D=D, to_error=ERROR, to_cubic=TO_CUBIC, to_parabola=TO_PARABOLA, to_real=TO_REAL,
             to_both=TO_BOTH, from_both=FROM_BOTH, increments=np.zeros((3, n_q)), rates=np.zeros((3, n_q)),

@@ -16,7 +16,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.maths.vector import cross, put, vec
-from mecano.model.assembly_driver import assemble, constraint_derivatives, loops_at
+from mecano.model.assembly_driver import assemble, constraint_derivatives, constraint_loops, tangent_loops
 from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
@@ -133,9 +133,9 @@ def differentiate_constraints(w):
 @kernel
 def evaluate_constraints(w, which, a, row):
     """Write value, rate and second rate of all constraints at one of the states with accelerations ``a`` (n_all,)."""
-    s, loops = state_of(w, which), loops_at(w.n_constraints, w.constraints, w.constraint_batches)
+    s = state_of(w, which)
     accelerated = Instant(s.t, s.z, s.v, a, s.R, s.phases, s.memory)
-    constraint_derivatives(loops, system_of(w), accelerated, derivatives(w, row))
+    constraint_derivatives(constraint_loops(w), system_of(w), accelerated, derivatives(w, row))
 
 
 @kernel
@@ -256,8 +256,7 @@ def mean_stiffness(w):
 @kernel
 def assemble_at_tangent(w, cK, cC, cM):
     """Assemble a tangent of these weights at TANGENT, where rotation increments are zero."""
-    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    assemble(loops, system_of(w), state_of(w, TANGENT), in_own_axes(w), w.k, w.penalty, cK, cC, cM)
+    assemble(tangent_loops(w), system_of(w), state_of(w, TANGENT), in_own_axes(w), w.k, w.penalty, cK, cC, cM)
 
 
 @kernel

@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.model.assembly_driver import bind_state, loops_at, residual
+from mecano.model.assembly_driver import bind_state, residual, residual_loops
 from mecano.model.numbering import MASSLESS, SIGNAL
 from mecano.model.state import Instant
 from mecano.solve.time.increments import move
@@ -93,4 +93,4 @@ def evaluate_forces(w, of, v, a, dt, way):
     s_moved.a[:] = 0.0
     bind_state(system, s_moved)
     system[0].lag = 1.0 / w.cC
-    residual(loops_at(w.n_loops, w.loops, w.batches), system, w.k, 0.0)
+    residual(residual_loops(w), system, w.k, 0.0)

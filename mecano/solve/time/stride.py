@@ -9,7 +9,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model.assembly_driver import commit, event_values, loops_at, observe
+from mecano.model.assembly_driver import commit, event_values, loops_at, observe, observe_loops
 from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.model.state import Instant
@@ -49,10 +49,10 @@ STRIDE = fields(
     floats="until tolerance duration minimum maximum turn planned dissipated given power_dissipated power_given",
     words="phase steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
-    "n_events n_event_batches events event_batches before_values n_departing departing "
-    "n_observed observed observed_batches n_committed committed committed_batches "
+    "n_events before_values n_departing departing "
     "n_brief brief n_conditions conditions "
     "checks_gaps share_of_gap n_released released along change_step change_step_words observation",
+    loops="event observe commit",
 )
 
 
@@ -176,7 +176,7 @@ def begin(m, w):
 @kernel
 def evaluate_events(m, w, s, out):
     """Write the values of all events at a state."""
-    event_values(loops_at(m.n_event_batches, m.events, m.event_batches), system_of(w), s, out)
+    event_values(loops_at(m.n_event_loops, m.event_loops, m.event_batches), system_of(w), s, out)
 
 
 @kernel
@@ -318,9 +318,9 @@ def take(m, w):
     s, system = state_of(w, TRIAL), system_of(w)
     if w.n_memory:
         before = Instant(s.t, s.z, s.v, s.a, s.R, s.phases, state_of(w, BEGIN).memory)
-        commit(loops_at(m.n_committed, m.committed, m.committed_batches), system, before, s.memory)
+        commit(loops_at(m.n_commit_loops, m.commit_loops, m.commit_batches), system, before, s.memory)
     forces = floats(system[0].force, system[0].n_slots)
-    observe(loops_at(m.n_observed, m.observed, m.observed_batches), observation_of(m), s, forces)
+    observe(observe_loops(m), observation_of(m), s, forces)
 
 
 @kernel

@@ -85,14 +85,10 @@ class StrideArrays(Pointers):
             n_brief=len(shocks.monitor.brief), brief=shocks.monitor.brief,
             n_conditions=len(shocks.monitor.conditions), conditions=shocks.monitor.conditions,
         )  # fmt: skip
-        for name, own, purpose in (
-            ("event_batches", "events", loops.event_values),
-            ("observed", "observed", loops.observe),
-            ("committed", "committed", loops.commit),
-        ):
-            addresses, batches = system.loops(purpose)
-            prefix = own.removesuffix("s")
-            self.point_to(**{f"n_{name}": len(addresses), own: addresses, f"{prefix}_batches": batches})
+        self.point_to_loops(
+            event=system.loops(loops.event_values), observe=system.loops(loops.observe),
+            commit=system.loops(loops.commit),
+        )  # fmt: skip
         if recorder is not None:
             self._record = record_step.call_from_compiled_code(self.output, workspace.record)
             self.point_to(records=True, record=self._record.function, record_words=self._record.words)

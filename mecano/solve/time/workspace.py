@@ -40,11 +40,12 @@ STEP = fields(
     "usable stale pending "
     "renewed age last_age last_has known next_has next_age next_known most most_kept factorizations "
     "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_light n_entries state_size "
-    "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
-    "n_constraints constraints constraint_batches derivatives gap exact_rates added masses nnz rows columns diagonal "
+    "system residual size increment T kind rotation_dof "
+    "derivatives gap exact_rates added masses nnz rows columns diagonal "
     "massless light knows_light soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent "
     "entry_places entry_values solve solve_words solve_results substitute substitute_words clock clock_id now "
     "states phases history guess carried v_shift report",
+    loops="residual tangent constraint",
 )
 
 
@@ -182,7 +183,11 @@ class Workspace(Pointers):
             kind=of.kind.copy(), rotation_dof=of.rotation_dof, T=np.tile(np.eye(3), (3 * n_rotations, 1, 1)),
             exact_rates=of.of_rates.astype(np.int64), derivatives=np.zeros((4, of.n_l, 3)), gap=np.zeros(of.n_l),
             nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
-            **{name: getattr(self, name) for name in own}, **_loops_of(system), **fixed,
+            **{name: getattr(self, name) for name in own}, **fixed,
+        )  # fmt: skip
+        self.point_to_loops(
+            residual=system.loops(loops.residual), tangent=system.loops(loops.tangent),
+            constraint=system.loops(loops.constraint_derivatives),
         )  # fmt: skip
 
     def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -258,19 +263,6 @@ class Workspace(Pointers):
             v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),
             float(r[f"{now}drift"]), float(r["h"] if now else r["taken"]), float(r[f"{now}spent"]),
         )  # fmt: skip
-
-
-def _loops_of(system: "System") -> dict[str, Any]:
-    """Return the fields of STEP with the loops of a system."""
-    found = {}
-    for name, batches, purpose in (
-        ("loops", "batches", loops.residual),
-        ("tangents", "tangent_batches", loops.tangent),
-        ("constraints", "constraint_batches", loops.constraint_derivatives),
-    ):
-        addresses, records = system.loops(purpose)
-        found |= {f"n_{name}": len(addresses), name: addresses, batches: records}
-    return found
 
 
 CLOCK = ctypes.cast(ctypes.CDLL(None).clock_gettime, ctypes.c_void_p).value
