@@ -72,7 +72,7 @@ class ImpactSolution:
         self.leads = np.array([c.lead for c in uncoupled], np.int64)
         self.before, self.friction_losses = self._rates(held.v), np.zeros(self.system.n_l)
         self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
-        change, reactions = self.consistent.exchange(-self.system.constraint_derivatives(held)[:, 1])
+        change, reactions = self.consistent.impose(-self.system.constraint_derivatives(held)[:, 1])
         if uncoupled:
             self.rough = rough_contacts(self.system, self.all_held, self.leads)
             self._gather_responses()

@@ -102,14 +102,14 @@ class Consistent:
 
     def change(self, rate: np.ndarray) -> np.ndarray:
         """Return the least change dq (n_q,), in the metric of the mass, with B dq = rate (n_l,)."""
-        return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)[0]
+        return self.impose(rate)[0]
 
     def respond(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the response to forces (n_q,) under constraints: rates (n_q,), reactions (n_l,) without penalty."""
         return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
-    def exchange(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return ``change`` and its impulses (n_l,), k lambda minus k times the rates reached."""
+    def impose(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the ``change`` dq (n_q,) and k mu (n_l,): its impulses plus k B dq, as the penalty acts on B dq."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def share(self, reactions: np.ndarray) -> np.ndarray:

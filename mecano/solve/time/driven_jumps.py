@@ -30,7 +30,7 @@ def work_of_jumps(system: "System", method: "Method", s: "State", behind: "State
     if not jump.any():
         return 0.0
     _, consistent = method.consistent(behind, h)
-    _, reactions = consistent.exchange(jump)
+    _, reactions = consistent.impose(jump)
     return 0.5 * float((reactions - consistent.k * jump) @ (before + after))
 
 

@@ -53,7 +53,7 @@ class Amplification:
 
         Their shares are at least ``least`` times the largest one.
         """
-        share, of = np.abs(consistent.exchange(self.violation)[1]), self.system.numbering
+        share, of = np.abs(consistent.impose(self.violation)[1]), self.system.numbering
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= least * share.max(initial=0.0)]
         return list(dict.fromkeys(of.name[of.n_q + i].place for i in order))
 
