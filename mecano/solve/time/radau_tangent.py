@@ -170,23 +170,19 @@ def add_constraints(w, r):
     These rows then have pivots even where only constraints hold a node, so that the order of elimination can be fixed,
     as with the penalty of generalized-alpha; the solution is the same.
     """
-    sums, real, other = (
-        integers(r.sums, (r.n_sums, 3)),
-        floats(r.real_values, w.nnz),
-        floats(r.complex_values, (w.nnz, 2)),
-    )
-    for i in range(r.n_sums):
-        to, source, B = sums[i, 0], sums[i, 1], gradient(w, r, sums[i, 2])
-        real[to] -= B * real[source]
-        other[to, 0] -= B * other[source, 0]
-        other[to, 1] -= B * other[source, 1]
+    subtract(w, r, integers(r.sums, (r.n_sums, 3)), floats(r.real_values, w.nnz), floats(r.complex_values, (w.nnz, 2)))
 
 
 @kernel
 def add_right_sides(w, r, real, other):
     """Do the same to the right-hand sides (n,) and (n, 2)."""
-    sums = integers(r.right_sums, (r.n_right_sums, 3))
-    for i in range(r.n_right_sums):
+    subtract(w, r, integers(r.right_sums, (r.n_right_sums, 3)), real, other)
+
+
+@kernel
+def subtract(w, r, sums, real, other):
+    """Subtract entries times gradients from others of both systems: ``sums`` are (entry, entry, gradient), (n, 3)."""
+    for i in range(sums.shape[0]):
         to, source, B = sums[i, 0], sums[i, 1], gradient(w, r, sums[i, 2])
         real[to] -= B * real[source]
         other[to, 0] -= B * other[source, 0]
