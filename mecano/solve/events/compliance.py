@@ -91,21 +91,16 @@ class Compliance:
 
     def set_step(self, lag: float, stiffness: float) -> None:
         """Set the values for steps of mean ``stiffness`` [N/m] in which rates count ``lag`` [s] times."""
-        self.values[:] = self._values(lag, stiffness)
+        share = np.where(self.released_entries, RELEASED_COMPLIANCE / stiffness, np.where(self.of_rates, lag, 1.0))
+        self.values[:] = share * self.matrix.values
 
-    def _values(self, lag, stiffness):
-        return (
-            np.where(self.released_entries, RELEASED_COMPLIANCE / stiffness, np.where(self.of_rates, lag, 1.0))
-            * self.matrix.values
-        )
+    def soften_tangent(self, k: float, data: np.ndarray) -> None:
+        """Add ``in_tangent`` to the values ``data`` (n_data,) of the tangent."""
+        np.add.at(data, self.places, self.in_tangent(k))
 
-    def soften_tangent(self, k: float, data: np.ndarray, values: np.ndarray | None = None) -> None:
-        """Add -k^2 c to the values of the tangent, where elements contribute to released constraints only."""
-        np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
-
-    def in_tangent(self, k: float, values: np.ndarray) -> np.ndarray:
-        """Return the contribution of ``values`` (nnz,) to the tangent, whose rows of constraints are times k."""
-        return -k * k * values * self.in_tangent_share
+    def in_tangent(self, k: float) -> np.ndarray:
+        """Return the contribution -k^2 c (nnz,) to the tangent, whose rows of constraints are times k."""
+        return -k * k * self.values * self.in_tangent_share
 
     def sharing(self, k: float, bottom: np.ndarray, x: np.ndarray) -> np.ndarray:
         r"""Return the right-hand sides (n_l,) of the constraints with which released constraints carry their share.

@@ -127,7 +127,7 @@ class Statics:
             n_q, n = system.n_q, system.n
             soften(k, *self.compliance.rows, s.z[n_q:n], assembly.residual[n_q:n])
             if tangent:
-                self.compliance.soften_tangent(k, assembly.data, self.compliance.values)
+                self.compliance.soften_tangent(k, assembly.data)
         return self.norms(s, k)
 
     def step(self, s0: "State", phases: np.ndarray) -> Step:

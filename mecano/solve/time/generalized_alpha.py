@@ -338,7 +338,7 @@ class GeneralizedAlpha:
         w.put_history(history)
         w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
         if self.compliance is not None:
-            w.array("entry_values")[:] = self.compliance.in_tangent(k, self.compliance.values)
+            w.array("entry_values")[:] = self.compliance.in_tangent(k)
 
     def trial(self, s0: State, history: History, iterations: int) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
@@ -396,7 +396,7 @@ class GeneralizedAlpha:
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self.equations[n_q:])
-            self.compliance.soften_tangent(k, self.assembly.data, self.compliance.values)
+            self.compliance.soften_tangent(k, self.assembly.data)
 
     def _factor(self, tangent, scales):
         """Factor the tangent at an earlier state; return the LinearStatus."""
