@@ -57,14 +57,14 @@ class Input:
 
 
 def place_of(system: System, signal: str) -> tuple[int, np.ndarray]:
-    """Return the index of the value of a signal among the unknowns, and the indices of all unknowns of the signal."""
+    """Return the index of the value of a signal in z, and the indices (n,) of all unknowns of the signal."""
     b, dofs = _unknowns(system, signal)
     first = 3 * len(b.kind.layout)
     return int(dofs[first]), dofs[first : first + len(b.kind.scalars)]
 
 
 def unknowns_of(system: System, signal: str) -> np.ndarray:
-    """Return the indices of all unknowns of a signal; for a delay its value, then its input."""
+    """Return the indices (n,) in z of all unknowns of a signal; for a delay its value, then its input."""
     return _unknowns(system, signal)[1]
 
 

@@ -39,7 +39,7 @@ def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watch
 
 
 def ended(ends: Iterable[Watched], row: "np.ndarray") -> str:
-    """Return a text for the first element in a row of the sampler that has reached its end, or ""."""
+    """Return a text for the first element in a row (row_size,) of the sampler that has reached its end, or ""."""
     for name, d, _, i, size, text in ends:
         if abs(row[i]) > size:
             return f"{d['type']} '{name}' {text}"

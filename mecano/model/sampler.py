@@ -121,7 +121,7 @@ class Sampler:
             start += self.columns[-1].size
 
     def take(self, run: Sampled, observation: "Observation") -> np.ndarray:
-        """Return the row at ``run.motion``, of which ``observation`` is the Observation. The array is reused."""
+        """Return the row (row_size,) at ``run.motion``, with its ``observation``. The array is reused."""
         self._fill(observation, run.motion, run.dissipated, run.given)
         return self.row
 

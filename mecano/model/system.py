@@ -286,12 +286,12 @@ class System:
 
     @cached_property
     def coupled_multipliers(self) -> np.ndarray:
-        """Indices, ascending, of the multipliers that act on forces other than as reactions, such as friction."""
+        """Indices (n,), ascending, of the multipliers that act on forces other than as reactions, such as friction."""
         return self._multipliers_of(b for b in self.batches if b.acts_by_multipliers())
 
     @cached_property
     def sensed_multipliers(self) -> np.ndarray:
-        """Indices, ascending, of the multipliers that signals read."""
+        """Indices (n,), ascending, of the multipliers that signals read."""
         return self._multipliers_of(b for b in self.batches if b.kind.senses)
 
     def _multipliers_of(self, batches):
@@ -339,11 +339,11 @@ class System:
         return values
 
     def commit(self, s: State) -> np.ndarray:
-        """Return the memory after an accepted step at ``s``."""
+        """Return the memory (n_memory,) after an accepted step at ``s``."""
         return self._committed(s, None) if len(s.memory) else s.memory
 
     def commit_jumps(self, s: State) -> np.ndarray:
-        """Return the memory after an event or a corner at ``s``, where inputs of signals may have jumped."""
+        """Return the memory (n_memory,) after an event or a corner at ``s``, where signals may have jumped."""
         return self._committed(s, Batch.follows_jumps) if any(map(Batch.follows_jumps, self.batches)) else s.memory
 
     def arrivals(self, memory: np.ndarray) -> list[float]:
@@ -372,7 +372,7 @@ class System:
         ]
 
     def follow(self, phases: np.ndarray) -> None:
-        """Set the parts that share the phases of their owner to its phase, in the ``phases`` of a state, in place."""
+        """Set parts that share the phase of their owner to it, in the ``phases`` (n_elements,) of a state, in place."""
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
 
 

@@ -92,7 +92,7 @@ def _load_stroke(impacts):
 
 
 def efficiency(stroke: np.ndarray, force: np.ndarray) -> float:
-    """Return the work of compression up to the largest stroke over largest force times largest stroke."""
+    """Return the work of compression to the largest stroke over largest force times stroke; both (n,), over time."""
     last = int(np.argmax(stroke)) + 1
     stroke, force = stroke[:last], force[:last]
     most = np.ptp(stroke) * force.max(initial=0.0)

@@ -157,7 +157,7 @@ class Writer:
             self.flush()
 
     def append_step(self, time: float, values: np.ndarray) -> None:
-        """Append an accepted step that ends at a time [s]: one number for each column of the solver history."""
+        """Append an accepted step that ends at a time [s]: ``values`` (n,) of the columns of the solver history."""
         if self._steps.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 

@@ -71,7 +71,7 @@ def no_restart(error: AssemblyError, t: float) -> ConvergenceError:
 
 
 def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
-    """Return the error for non-finite values ``data`` of the matrix of masses and constraints at ``t``."""
+    """Return the error for non-finite ``data`` (n_data,) of the matrix of masses and constraints at ``t`` [s]."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
     places = {system.numbering.name[i].place: i for i in rows[::-1]}
     lines = [f"  {system.numbering.name[i]}{acting_clause(system, i)}" for i in list(places.values())[::-1][:REPORTED]]

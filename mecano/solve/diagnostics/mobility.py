@@ -160,7 +160,7 @@ def dependent_rows(B: Entries, group: np.ndarray, holds: np.ndarray) -> tuple[np
 
 
 def in_loops(B: Entries, group: np.ndarray) -> np.ndarray:
-    """Return the indices of the rows of B in closed loops.
+    """Return the indices (n,) of the rows of B in closed loops; ``group`` (n_q,) are the nodes of its columns.
 
     Rows whose columns of one node are independent of all other rows are removed repeatedly: open chains are removed
     from their ends, closed loops remain.

@@ -49,7 +49,7 @@ class EventCapture:
             self.begin(hit, run)
 
     def begin(self, hit: np.ndarray, run: "RunState") -> bool:
-        """Begin to capture events at the end of ``run``; return whether any of ``hit`` was located until now."""
+        """Begin to capture events at the end of ``run``; return whether any ``hit`` (n_events,) was located before."""
         begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
         if begins:
             self.monitor.captures = True

@@ -44,7 +44,10 @@ class ImpactCandidate:
         return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
     def rests(self, phases: np.ndarray) -> bool:
-        """Return whether the contact is closed and holds; True for one of several candidates of a contact only."""
+        """Return whether the contact is closed and holds in the ``phases`` (n_elements,) of a state.
+
+        True for one of several candidates of a contact only.
+        """
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
@@ -75,7 +78,10 @@ class ImpactCandidates:
         return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
 
     def due(self, hit: np.ndarray, g: np.ndarray) -> list[ImpactCandidate]:
-        """Return the candidates that may follow the events ``hit``; if two share a phase, only the nearer one."""
+        """Return the candidates that may follow the events ``hit`` (n_events,) bool, by the event values g (n_events,).
+
+        Of two that share a phase, only the nearer one.
+        """
         ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # the nearer of two stops
 
@@ -87,7 +93,7 @@ class ImpactCandidates:
         return values
 
     def resting(self, phases: np.ndarray) -> list[ImpactCandidate]:
-        """Return the contacts that are closed in the ``phases`` of a state."""
+        """Return the contacts that are closed in the ``phases`` (n_elements,) of a state."""
         return [candidate for candidate in self.all if candidate.rests(phases)]
 
     def in_phase(self, s: "State", candidates: Iterable[ImpactCandidate], which: str) -> "State":

@@ -79,7 +79,7 @@ def may_peak(events: Indices, values: Matrix) -> bool:
 def passed(monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1: np.ndarray) -> "State | None":
     """Return a state between ``s0`` and ``s1``, the ends of a step, at which an event has happened, or None.
 
-    ``g0``, ``g1``: event values there. Events are those sought within steps: brief ones and conditions.
+    ``g0``, ``g1`` (n_events,): event values there. Events are those sought within steps: brief ones and conditions.
     """
     events, system = np.concatenate([monitor.brief, monitor.conditions]), monitor.system
     values = np.array([g0, g1, g0, g1])

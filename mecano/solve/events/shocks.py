@@ -58,7 +58,7 @@ class Shocks:
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
     def departing(self, s: "State", g: np.ndarray) -> np.ndarray:
-        """Return the event values ``g`` at the beginning of a step, those of separating contacts that touch changed.
+        """Return event values g (n_events,) at the beginning of a step, with those of separating contacts changed.
 
         Rounding decides the sign of their gap. The value is that of the gap up to which contacts touch: a search for
         their next impact would else be led to the beginning of the step, where rounding shows one.
@@ -77,7 +77,7 @@ class Shocks:
         return g
 
     def approaching(self, s: "State", g: np.ndarray) -> dict[ImpactCandidate, float]:
-        """Return the rates of open contacts that nearly touch and approach at ``s``, with event values ``g`` there.
+        """Return the rates [m/s] of open contacts that nearly touch and approach at ``s``, by its event values g (n_events,).
 
         The motion of a long step may lead through such a surface and back, as over the side of a ball, which the event
         values at the ends of the step do not show. A single contact has just opened where it touches.
@@ -141,7 +141,7 @@ class Shocks:
         return ROUNDING * (np.abs(reactions).max(initial=0.0) + reach_of(s.z, of, self.length) * self.length * k)
 
     def together(self, s: "State", hit: np.ndarray, h: float) -> np.ndarray:
-        """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].
+        """Return the events ``hit`` (n_events,) bool and the impacts that follow within TOGETHER of a step ``h`` [s].
 
         The motions of identical parts of a model differ by rounding; this makes them lock at the same instant. A
         contact that touches at rest is not added: if the impact reaches it, it follows. Once impacts of a contact have

@@ -119,7 +119,10 @@ class LinearSolver:
         return self._solve_with_superlu(data, b, x_out, null)
 
     def calls(self, data: np.ndarray, b: np.ndarray, x_out: np.ndarray) -> "tuple[PackedCall, PackedCall]":
-        """Return the calls with which compiled code solves A x = b anew, and with the kept factor, as PackedCalls."""
+        """Return the PackedCalls with which compiled code solves A x = b anew, and with the kept factor.
+
+        ``data``: values of A, in the order of the pattern; b and x_out (n,).
+        """
         new = self._solve.call_from_compiled_code(data, b, *self._solve_arguments, x_out)
         return new, self._substitute.call_from_compiled_code(b, *self._substitute_arguments, x_out)
 
@@ -161,7 +164,7 @@ class LinearSolver:
         return self._superlu is None
 
     def solve_again(self, b: np.ndarray, x_out: np.ndarray) -> None:
-        """Solve with the factor of the last ``solve`` without checks; b and x_out may be the same array."""
+        """Solve for ``x_out`` (n,) with the factor of the last ``solve``, without checks; b (n,) may be that array."""
         if self._superlu is None:
             self._substitute(b, *self._substitute_arguments, x_out)
         else:

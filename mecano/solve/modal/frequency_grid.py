@@ -50,14 +50,14 @@ class Sampled:
 
 
 def grid(low: float, high: float, number: int, linear: bool = False) -> np.ndarray:
-    """Return ``number`` frequencies from ``low`` to ``high``, at equal ratios or, if ``linear``, equal distances."""
+    """Return frequencies (number,) from ``low`` to ``high``, at equal ratios or, if ``linear``, equal distances."""
     found = np.linspace(low, high, number) if linear or number == 1 else np.geomspace(low, high, number)
     found[0], found[-1] = low, high if number > 1 else low
     return found
 
 
 def refine(sampled: Sampled, base: np.ndarray, poles: Iterable[complex]) -> None:
-    """Add points around the resonances of ``poles`` [1/s] and where the responses at ``base`` [rad/s] vary fast."""
+    """Add points near the resonances of ``poles`` [1/s] and where responses at ``base`` (n,) [rad/s] vary fast."""
     low, high, most = base[0], base[-1], MOST * len(base)
     for omega in base.tolist():
         sampled.at(omega)

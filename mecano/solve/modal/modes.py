@@ -88,7 +88,7 @@ def unstable(value: complex | np.ndarray) -> bool | np.ndarray:
 
 
 def damping(values: complex | np.ndarray) -> np.ndarray:
-    """Return the damping ratios of eigenvalues; nan where they are nan or zero."""
+    """Return the damping ratios (n,) of eigenvalues (n,), or of one; nan where they are nan or zero."""
     size = np.abs(values)
     return -np.real(values) / np.where(size > 0.0, size, np.nan)
 

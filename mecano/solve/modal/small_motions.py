@@ -78,7 +78,7 @@ class SmallMotions:
         return not friction.nnz or friction.max() <= SYMMETRIC * abs(self.B).max()
 
     def residual(self, value: complex, y: np.ndarray) -> float:
-        """Return the residual of an eigenpair in the equations, relative to the magnitudes of their terms."""
+        """Return the residual of an eigenvalue and its shape y (n_q,), relative to the magnitudes of the terms."""
         terms = [value**2 * (self.M @ y), value * (self.C @ y), self.K @ y]
         r = sum(terms)
         size = abs(value) ** 2 * np.linalg.norm(abs(self.M) @ abs(y))
@@ -92,7 +92,7 @@ class SmallMotions:
         return float(max([np.linalg.norm(r) / max(float(size), least, 1e-300), *gaps]))
 
     def balancing_multipliers(self, r: np.ndarray) -> np.ndarray:
-        """Return the multipliers mu that minimize |r + D mu|."""
+        """Return the multipliers mu that minimize |r + D mu| for r (n_q,)."""
         if self.D.shape[0] <= DENSE_ROWS:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
         parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]

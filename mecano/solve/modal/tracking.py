@@ -56,7 +56,7 @@ class Spectrum:
 
     @property
     def counting(self) -> np.ndarray:
-        """The significant eigenvalues with nonnegative imaginary part."""
+        """The significant eigenvalues (n,) with nonnegative imaginary part."""
         return self.values[(self.values.imag >= 0.0) & (np.abs(self.values) > self.least)]
 
     @property

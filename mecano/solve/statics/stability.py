@@ -86,7 +86,7 @@ class StabilityTest:
         return self._pivots(data)
 
     def dragged(self, data: np.ndarray, drag: float) -> np.ndarray:
-        """Return ``data`` with ``drag`` [N/m] added to the stiffness against all motions."""
+        """Return ``data`` (n_data,) with ``drag`` [N/m] added to the stiffness against all motions."""
         data = data.copy()
         data[self.system.diagonal[: self.system.n_q]] += drag * self.metric
         return data

@@ -131,7 +131,7 @@ class Statics:
         return self.norms(s, k)
 
     def step(self, s0: "State", phases: np.ndarray) -> Step:
-        """Return the beginning ``s0`` of a step, and its Held for elements in the ``phases``."""
+        """Return the beginning ``s0`` of a step, and its Held for elements in these ``phases`` (n_elements,)."""
         return s0, self.rolling.at(replace(s0, phases=phases))
 
     def norms(self, s: "State", k: float) -> tuple[float, float]:

@@ -117,7 +117,7 @@ class _Equations:
         return np.where(is_state, J[1], J[0]), found.residual[self.own], bool(J[1][:, ~is_state].any())
 
     def decomposed(self, J: np.ndarray) -> "_Decomposition":
-        """Return the _Decomposition of a Jacobian ``J``."""
+        """Return the _Decomposition of a Jacobian ``J`` (n, n) of the signals."""
         if self._decomposed is None or not np.array_equal(J, self._decomposed.J):
             self._decomposed = _Decomposition(J)
         return self._decomposed

@@ -45,7 +45,7 @@ class OscillationMonitor:
         self.signs[:] = 0
 
     def take(self, t: float, row0: np.ndarray, row: np.ndarray) -> None:
-        """Take the rows at the beginning of a step and at its end, at the time t [s]."""
+        """Take the rows (row_size,) at the beginning of a step and at its end, at the time t [s]."""
         self._take(t, row0, row)
 
     def to_plain(self) -> dict[str, np.ndarray]:

@@ -191,7 +191,7 @@ class Workspace(Pointers):
         )  # fmt: skip
 
     def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return z, v, a, R, memory of one of the states: views."""
+        """Return views of z, v, a (n_all,), R (n_rotations, 3, 3) and memory (n_memory,) of one of the states."""
         row, (n, m) = self.states[which], self._shapes
         end = 3 * n + 9 * m
         return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end : -1 - 3 * m]
@@ -216,7 +216,7 @@ class Workspace(Pointers):
         self.put_state(TRIAL, after)
 
     def state(self, which: int, phases: np.ndarray, memory: np.ndarray | None = None) -> State:
-        """Return one of the states as a State with these phases, which are not copied."""
+        """Return one of the states as a State with these ``phases`` (n_elements,), which are not copied."""
         z, v, a, R, own = [part.copy() for part in self.parts(which)]
         spins = self.start_spins(which).copy() if which in (TANGENT, RENEWED, FORMER) else None
         return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory, spins)
@@ -256,7 +256,7 @@ class Workspace(Pointers):
         )
 
     def new_history(self, which: int, v_shift: np.ndarray, tangent: State | None) -> History:
-        """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
+        """Return the History at BEGIN or TRIAL; ``v_shift`` (n_all,) is not copied, ``tangent`` a State."""
         n, row, r, now = self.system.n, self.history[which], self.record[0], "next_" if which == TRIAL else ""
         return History(
             row[: -2 * n].copy(), float(r["h"]), row[-2 * n : -n].copy(), row[-n:].copy(), int(r[f"{now}known"]),
