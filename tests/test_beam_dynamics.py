@@ -54,10 +54,8 @@ def test_a_spring_released_suddenly_does_not_cut_long_steps():
     def angle(t):
         return goal * (1.0 + (q * np.exp(p * t) - p * np.exp(q * t)) / (p - q)).real
 
-    late, found = (
-        recorded.time - 5e-3,
-        recorded["joints/hinge/angle"],
-    )  # the filter of the first step costs up to a step
+    late = recorded.time - 5e-3  # the filter of the first step costs up to a step
+    found = recorded["joints/hinge/angle"]
     rising = (recorded.time > 0.05) & (recorded.time < 0.35)
     assert np.all((found > angle(late))[rising]) and np.all((found < angle(recorded.time + 5e-4))[rising])
 

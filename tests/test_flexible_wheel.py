@@ -188,9 +188,8 @@ def test_an_adhesive_wheel_is_spun_up_at_once():
     assert recorded.run.dissipated > down.lost
     touching = recorded["elements/tire/normal_force"] > 0.0
     for name in ("longitudinal_slip", "lateral_slip"):
-        assert (
-            np.abs(recorded[f"elements/tire/{name}"][touching]).max() < 4e-9
-        )  # 1e-3 of the tolerance, 1e-10 m in a step
+        slip = recorded[f"elements/tire/{name}"][touching]
+        assert np.abs(slip).max() < 4e-9  # 1e-3 of the tolerance, 1e-10 m in a step
     before, after = (recorded["elements/tire/spin_rate"][i] for i in (0, np.argmax(touching)))
     assert before == pytest.approx(50.0) and after == pytest.approx(50 + 0.3 * 5 / (1 / 20 + 0.3**2), abs=0.05)
 

@@ -434,9 +434,7 @@ def test_friction_presses_what_would_part_without_it():
     run = RecordedRun(deck(BELT.replace("FRICTION", "{coefficient: 0.8, regularization: 1.0e-3}")))
     bed, stop = run.event_records
     assert (bed.element, stop.element, stop.after) == ("contact 'bed'", "contact 'stop'", "closed")
-    creep = 1e-3 * (
-        1 - np.sqrt(1 - 3 / (0.8 * 9.3))
-    )  # at which the regularized friction, u (2 - u), carries the weight
+    creep = 1e-3 * (1 - np.sqrt(1 - 3 / (0.8 * 9.3)))  # where the regularized friction, u (2 - u), carries the weight
     assert stop.impulse == pytest.approx(2 * (1 - creep), rel=1e-7)
     assert run["elements/stop/normal_force"][-1] == pytest.approx(0.8 * 2 * 9.3 - 2 * 3, rel=1e-9)
 

@@ -54,9 +54,8 @@ class Held:
 def whole(tmp_path_factory):
     """Return the uninterrupted run, and the duration of its time integration [s]."""
     path = tmp_path_factory.mktemp("whole") / "whole.h5"
-    subprocess.run(
-        [*COMMAND, *SETTINGS, "-o", str(path)], check=True, stdout=subprocess.DEVNULL
-    )  # compiles, if need be
+    compiling = [*COMMAND, *SETTINGS, "-o", str(path)]  # if need be
+    subprocess.run(compiling, check=True, stdout=subprocess.DEVNULL)
     again = path.with_name("again.h5")
     process = subprocess.Popen([*COMMAND, *SETTINGS, "-o", str(again)], stdout=subprocess.DEVNULL)
     begun = appearance(again)

@@ -130,9 +130,8 @@ def test_saving_within_one_step_looks_at_signals(tmp_path, monkeypatch):
     """A signal that comes while 100,000 times of one step are being saved ends the run after some thousands."""
     interruption = Interruption()
     monkeypatch.setattr(interruption, "_number", signal.SIGTERM)
-    monkeypatch.setattr(
-        CheckpointWriter, "__call__", lambda keeper, run: None
-    )  # it came after the last question of the step
+    # it came after the last question of the step
+    monkeypatch.setattr(CheckpointWriter, "__call__", lambda writer, run: None)
     deck = input_deck("free_body", "time={end: 10, step: 1}", "output.every=1.01e-5")
     with pytest.raises(Stopped, match="stopped by SIGTERM between two saved times of a step"):
         run(deck, tmp_path / "r.h5", interruption=interruption)

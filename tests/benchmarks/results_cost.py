@@ -38,10 +38,8 @@ CHECKPOINTED = (
     ("`nose_landing_gear.yaml` to 40 s", "nose_landing_gear", ("time.end=40",)),
 )
 INTERVALS = (30.0, 1.0, 0.0)  # s
-SAVED = (
-    "pendulum",
-    ("time={end: 40, step: 1e-3}", "output.every=step"),
-)  # all steps, the cheapest ones: the worst case
+# all steps, the cheapest ones: the worst case
+SAVED = "pendulum", ("time={end: 40, step: 1e-3}", "output.every=step")
 HEAD = "run", "processor time", "`--checkpoint 30` (default)", "`--checkpoint 1`", "`--checkpoint 0`"
 REPEATS = 3
 

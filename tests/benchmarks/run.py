@@ -33,36 +33,11 @@ from process import processor_time
 
 STUDIES = ("beams", "deploy", "mast")
 ALIKE = 1.02  # errors up to this ratio are equal
+# steps between two samples that are tried for an error
 PER_SAMPLE = (
-    1,
-    2,
-    3,
-    4,
-    5,
-    6,
-    8,
-    10,
-    13,
-    16,
-    20,
-    25,
-    32,
-    40,
-    50,
-    64,
-    80,
-    100,
-    128,
-    160,
-    200,
-    256,
-    320,
-    400,
-    512,
-    640,
-    800,
-    1280,
-)  # steps between two samples that are tried for an error
+    1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 25, 32, 40, 50, 64, 80, 100, 128, 160,
+    200, 256, 320, 400, 512, 640, 800, 1280,
+)  # fmt: skip
 PENDULUM = Path(__file__).parent.parent.parent / "inputs" / "pendulum.yaml"
 
 

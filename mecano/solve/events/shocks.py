@@ -77,7 +77,7 @@ class Shocks:
         return g
 
     def approaching(self, s: "State", g: np.ndarray) -> dict[ImpactCandidate, float]:
-        """Return the rates [m/s] of open contacts that nearly touch and approach at ``s``, by its event values g (n_events,).
+        """Return the rates [m/s] of open contacts that nearly touch and approach at ``s``; g (n_events,): event values.
 
         The motion of a long step may lead through such a surface and back, as over the side of a ball, which the event
         values at the ends of the step do not show. A single contact has just opened where it touches.

@@ -248,10 +248,8 @@ def consistent_state(
     contradictions.refuse(s, h)
     consistent.settle(s, h)
     consistent.accelerate(s)
-    again = len(consistent.massless.own) and (
-        system.n_l or system.signals.any()
-    )  # reactions and signals may act on these
-    if again or len(system.sensed_multipliers):
+    driven = system.n_l or system.signals.any()  # reactions and signals may act on massless unknowns
+    if (len(consistent.massless.own) and driven) or len(system.sensed_multipliers):
         consistent.settle(s, h)
         consistent.accelerate(s)
     return s, consistent

@@ -64,12 +64,8 @@ class TimeIntegrator:
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
     longest_restart: float = math.inf  # step [s] with which adaptive steps restart where functions of time may begin
     landmarks: Sequence[float] = ()  # further times that a step must end on: of pulses of laws of time
-    pause: Callable[[RunState], object] = lambda run: (
-        None
-    )  # called within a step with the RunState before it; may raise
-    recorder: Recorder | None = (
-        None  # receives steps from compiled code (``OrdinarySteps``) and, called with Accepted, from Python
-    )
+    pause: Callable[[RunState], object] = lambda run: None  # called within a step with the run before it; may raise
+    recorder: Recorder | None = None  # takes steps from compiled code and, called with Accepted, from Python
     reporters: tuple[Callable[[RunState], object], ...] = ()  # called with the RunState between calls of compiled code
     observation: Observation = field(init=False)  # outputs and energies at the end of the last step, or after an event
     monitor: EventMonitor = field(init=False)
@@ -79,9 +75,7 @@ class TimeIntegrator:
     trials: Trials = field(init=False)
     rounding: RoundingLimit = field(init=False)
     start_events: list[EventRecord] = field(init=False, default_factory=list)  # [EventRecord] before the first step
-    cuts: list[tuple[float, float]] = field(
-        init=False, default_factory=list
-    )  # (time, step size) of trials that failed and were cut
+    cuts: list[tuple[float, float]] = field(init=False, default_factory=list)  # (time, step size) after failed trials
     _ordinary_steps: "OrdinarySteps | RadauSteps | None" = field(init=False, default=None)
     _before: RunState = field(init=False)  # at the beginning of the step
 
