@@ -26,7 +26,6 @@ from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import cross, dot
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: this bound keeps all values finite
-LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): keeps values finite where the profile is too concave
 
 
 class Contact(NamedTuple):

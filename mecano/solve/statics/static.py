@@ -295,12 +295,12 @@ class Statics:
         return best
 
     def committed(self, s: "State") -> "State":
-        """Return ``s`` with committed memories, as an accepted point."""
+        """Commit the memories of ``s`` in place, as of an accepted point, and return it."""
         s.memory = self.system.commit(s)
         return self.without_past(s)
 
     def without_past(self, s: "State") -> "State":
-        """Return ``s`` in which delayed and sampled signals have no earlier inputs, unless the path has a past."""
+        """Remove earlier inputs of delayed and sampled signals from ``s`` in place, unless the path has a past; return it."""
         s.memory[self._past] = 0.0
         return s
 
