@@ -300,7 +300,7 @@ class Statics:
         return self.without_past(s)
 
     def without_past(self, s: "State") -> "State":
-        """Remove earlier inputs of delayed and sampled signals from ``s`` in place, unless the path has a past; return it."""
+        """Remove earlier inputs of signals from ``s`` in place, unless the path has a past, and return it."""
         s.memory[self._past] = 0.0
         return s
 
