@@ -685,3 +685,10 @@ def test_the_friction_of_a_joint_that_a_shock_leaves_out_is_reported():
     assert float(said.split("brake it by ")[1].split(" N m s")[0]) == pytest.approx(0.3 * 0.01 * reaction, rel=5e-3)
     without = RecordedRun(deck(HAMMER.replace(", FRICTION", "")))
     assert not without.integrator.warnings
+
+    def resumed(integrator, run):
+        integrator.from_plain(recorded.integrator.to_plain())
+        return run
+
+    again = RecordedRun(deck(HAMMER.replace("FRICTION", RUBS)), change=resumed)  # a joint is named once in a run
+    assert again.event_records and again.integrator.warnings == [said]

@@ -39,6 +39,7 @@ class EventApplication:
     warnings: list[str] = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
+    neglecting: set[str] = field(default_factory=set)  # joints, by title, whose friction a shock has neglected
 
     def apply(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool = False) -> Applied:
         """Apply events ``hit`` at ``s``.
@@ -96,7 +97,8 @@ class EventApplication:
         from mecano.solve.events import joint_friction  # not needed by runs without shocks
 
         for found in joint_friction.missing_friction(self.system, shock):
-            if not any(one.startswith(joint_friction.warning_start(found[0])) for one in self.warnings):
+            if found[0] not in self.neglecting:
+                self.neglecting.add(found[0])
                 self.warnings.append(joint_friction.omission_warning(t, shock, *found))
 
     def _guard(self, run, hit, event_records):
@@ -124,12 +126,14 @@ class EventApplication:
 
     def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers and lists from which ``from_plain`` continues."""
-        return {"since": self.since, "at_once": [[*key, count] for key, count in self.repeats.items()]}
+        repeats = [[*key, count] for key, count in self.repeats.items()]
+        return {"since": self.since, "at_once": repeats, "neglecting": sorted(self.neglecting)}
 
     def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue from the result of ``to_plain``."""
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["at_once"]})
+        self.neglecting = set(plain.get("neglecting", ()))  # older checkpoints have none
         self._suppress_rebound()
 
 

@@ -44,12 +44,7 @@ def omission_warning(t: float, shock: "Shock", title: str, impulse: float, unit:
     """Return the warning on the friction of a joint that a ``shock`` at ``t`` [s] is the first to neglect."""
     event = max(shock.event_records, key=lambda one: abs(one.impulse))
     return (
-        f"{warning_start(title)}: at t = {t:.4g} s ({event.element} {event.name}, {event.impulse:.3g} {event.unit}) "
-        f"the impulses of its reactions would brake it by {impulse:.3g} {unit}; where this matters, give the contact "
-        "or stop a law, so that the shock takes time"
+        f"the friction of {title} has no impulse in shocks: at t = {t:.4g} s ({event.element} {event.name}, "
+        f"{event.impulse:.3g} {event.unit}) the impulses of its reactions would brake it by {impulse:.3g} {unit}; "
+        "where this matters, give the contact or stop a law, so that the shock takes time"
     )
-
-
-def warning_start(title: str) -> str:
-    """Return the beginning of the warning on this joint."""
-    return f"the friction of {title} has no impulse in shocks"
