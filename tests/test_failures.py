@@ -394,7 +394,7 @@ def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
     assert "laws of this element without jumps" in said
 
 
-def test_a_rod_that_can_neither_slide_on_nor_part_is_told_to_be_elastic(tmp_path):
+def test_a_rod_that_can_neither_slide_on_nor_part_needs_elasticity(tmp_path):
     """With friction beyond 4/3 a thin rod dragged along the floor may have no acceleration (Painleve 1895)."""
     rod = """
     mecano: 1

@@ -176,7 +176,7 @@ def turning(rate, centre, radius=25.0):
 
 
 def test_a_car_starts_in_a_steady_turn(verify):
-    """Found from a place 6 m off, without slip: speed, slip angle and torque of the two-track equations; it goes on."""
+    """Found from a place 6 m off, without slip: speed, slip angle and torque of the two-track equations, which last."""
     torques, (u, v, rate, *_) = steady(25.0)
     run = turning(rate, (0.0, 25.0))
     place = run["nodes/car/position"][:, :2] - [0.0, 25.0]

@@ -121,7 +121,7 @@ SUNK = """
 def test_steady_running_that_needs_another_shape_names_a_node_of_the_deck(stiffness, said):
     """On a stiff spring wheel and body sink together, by 133 mm; on a soft one the body sinks by 250 mm more.
 
-    The node that holds the rotation, which stays, is none of the deck.
+    The node that holds the rotation stays in place and is not part of the deck, so it is not named.
     """
     found = operating_point(deck(SUNK.replace("STIFFNESS", stiffness))).warnings
     shapes = [text for text in found if "another shape" in text]

@@ -137,7 +137,7 @@ def test_a_resumed_run_that_fails_reports_the_latches_of_its_checkpoint(tmp_path
     with pytest.raises(ConvergenceError, match="latches never closed") as failed:
         resume(deck, path)
     at = float(str(failed.value).partition("hinge 'hinge' at ")[2].partition(" of")[0])
-    assert at == pytest.approx(0.5 * math.pi * (1.0 - math.cos(math.sqrt(6.0) * 0.3)), rel=1e-3)  # told in 4 digits
+    assert at == pytest.approx(0.5 * math.pi * (1.0 - math.cos(math.sqrt(6.0) * 0.3)), rel=1e-3)  # from a text
 
 
 def test_a_resumed_run_that_cannot_begin_leaves_its_file_closed(tmp_path, monkeypatch):

@@ -35,7 +35,7 @@ DECK = """
 
 
 @pytest.mark.parametrize("control", ["rho_inf: 0.9", "adaptive: {tolerance: 1.0e-3}"])
-def test_a_run_goes_on_from_its_saved_state_with_the_same_bits(control, tmp_path):
+def test_a_run_continues_from_its_saved_state_with_the_same_bits(control, tmp_path):
     checked = deck(DECK % control)
     prepared = prepare(checked)
     integrator = integrator_of(prepared)
@@ -186,7 +186,7 @@ EVENTFUL = {  # deck, overrides, times at which the run is saved: in flight, at 
 
 
 @pytest.mark.parametrize("name", EVENTFUL)
-def test_a_run_goes_on_across_events_with_the_same_bits(name, tmp_path):
+def test_a_run_continues_across_events_with_the_same_bits(name, tmp_path):
     """Wherever the state is saved: what comes, events among it, is what would have come."""
     overrides, times = EVENTFUL[name]
     file_name = name.partition(",")[0]

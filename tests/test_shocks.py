@@ -106,7 +106,7 @@ def test_spring_driven_elbow_locks():
 
 
 def test_a_panel_locks_to_the_ground_and_the_file_records_it(tmp_path):
-    """e3, spring_deploy_lock: time, impulse and energy; the file has them, and the step goes on as before."""
+    """e3, spring_deploy_lock: time, impulse and energy; the file has them, and the steps continue as before."""
     checked = input_deck("panel_lock", "output.every=step")
     run(checked, tmp_path / "panel.h5")
     with open_results(tmp_path / "panel.h5") as results:
@@ -516,7 +516,7 @@ def test_redundant_locks_are_solved_and_reported():
 
 
 @pytest.mark.parametrize("name, times", [("bouncing_ball", (0.4, 1.0, 4.06)), ("deployment_lock", (1.09, 1.1))])
-def test_a_run_goes_on_across_shocks_with_the_same_bits(name, times, tmp_path):
+def test_a_resumed_run_has_the_same_bits_across_shocks(name, times, tmp_path):
     """Saved before, between and after shocks."""
     checked = input_deck(name, "time.end=4.2" if name == "bouncing_ball" else "time.end=1.2")
     end = checked.values["time"]["end"]

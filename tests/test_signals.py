@@ -26,7 +26,7 @@ from mecano.study.read import read_study
 ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
 SLOW = pytest.mark.slow
 FEW = "nose_gear_rigid", "four_feet"
-ANSWER = 2.0  # s of processor time after a signal: what others take of the machine is none of the program's
+ANSWER = 2.0  # s of processor time after a signal, which other processes do not change
 STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
 
 

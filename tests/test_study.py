@@ -565,7 +565,7 @@ def test_counts_have_whole_ticks():
     assert [tick for tick in ax.get_yticks() if np.prod(np.array(ax.get_ylim()) - tick) <= 0.0] == [4.0]
 
 
-def test_varied_values_of_one_key_are_told_apart_in_pictures():
+def test_varied_values_of_one_key_differ_in_pictures():
     """And the numbers below a panel do not touch one another."""
     values = {
         "place.left.with.k": np.linspace(23043.5, 26988.0, 7),

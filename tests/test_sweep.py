@@ -312,7 +312,8 @@ def shimmy(case, speeds, verify):
     for V, column in zip(locus.axis.values, locus.values.T, strict=True):
         found = np.sort_complex(column[np.isfinite(column.real)])
         expected = caster_roots(V, **values)
-        found = np.unique(np.round(found, 9)) if len(found) > len(expected) else found  # a pair, told by both branches
+        if len(found) > len(expected):  # a pair of real values is on two branches
+            found = np.unique(np.round(found, 9))
         what = f"{case} trailing wheel at {V:g} m/s: eigenvalues [1/s]"
         tolerance = 2e-8 if len(found) != len(column) else 1e-8
         verify("Shimmy", what, found, expected, "characteristic polynomial", relative=tolerance)

@@ -128,7 +128,7 @@ def test_a_rim_far_from_the_ground_is_refused(kind, height, text):
     ],
 )  # fmt: skip
 def test_a_wheel_starts_on_the_ground_or_in_the_air(kind, height, start):
-    """Within a thousandth of its radius it stands, and what that moves is told; further up it is in the air."""
+    """Within a thousandth of its radius it stands, and the displacement is reported; further up it is in the air."""
     prepared = prepare(upright(kind, height))
     assert prepared.state.z[2] == pytest.approx(start, abs=1e-12)
     reported = [text for text in startup_warnings(prepared) if "moved the initial positions" in text]
@@ -212,7 +212,7 @@ def on(height, direction="[1, 0, 0]", end="time: {end: 2.0, step: 1.0e-3}", kind
     ids=["sine", "bump", "far bump", "table", "polynomial"],
 )
 def test_hollows_must_be_wider_than_the_wheel(height, fits, place, radius):
-    """Half as high again as one of nearly the radius of the wheel, 0.3 m: the closed form of the radius is told."""
+    """A hollow half as high again as one of nearly the radius of the wheel, 0.3 m, is refused with its radius."""
     on(height.format(fits))
     with pytest.raises(DeckError) as error:
         on(height.format(1.5 * fits))
@@ -236,7 +236,7 @@ def test_a_hollow_counts_where_and_how_the_wheel_crosses_it():
 
 
 def test_a_wheel_is_checked_once():
-    """Also one on waves, which are looked at for hollows behind the check of what the wheel says of itself."""
+    """Also one on waves, whose hollows are checked after the values of the wheel."""
     reported, wheel = [], KINDS["rigid_wheel"]
     counting = replace(wheel, check=lambda d, nodes: reported.append(d) or wheel.check(d, nodes))
     text = on("{sine: {amplitude: 0.02, frequency: 2.0}}").text

@@ -50,7 +50,7 @@ def _report(replies):
 
 
 def _write(replies, *values):
-    with contextlib.suppress(BrokenPipeError):  # nobody waits any more
+    with contextlib.suppress(BrokenPipeError):  # the client has ended
         os.write(replies, f"{json.dumps(values)}\n".encode())
 
 

@@ -101,7 +101,7 @@ class Tally:
 
     @property
     def share(self):
-        """Share of the trials held; none made is none held."""
+        """Share of the trials held; 0 if none was made."""
         return 1.0 - len(self.failures) / self.count if self.count else 0.0
 
 
