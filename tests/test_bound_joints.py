@@ -77,7 +77,7 @@ def test_angle_and_distance():
 
 
 def test_flexible_parts_are_bound_by_nearly_agreeing_axes_only():
-    """A beam on two hinges turns by its deformation if their axes differ a little; a rigid frame does not."""
+    """A beam on two hinges turns by its deformation if their axes differ a little; on parallel axes it is a frame."""
     (text,) = bound(supported(f"hinge, {LINE}", f"hinge, {BESIDE}", BEAM))
     assert "let them move only by deformation" in text
     for axis in (LINE, "axis: [0, 1, 0]"):
