@@ -7,7 +7,8 @@ import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, TRANSLATION
-from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
+from mecano.solve.diagnostics.scales import ANGULAR_SHARE, length_scale
+from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly

@@ -21,15 +21,13 @@ from mecano.model.numbering import (
 )
 from mecano.model.state import Motion, State
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
-from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.linear.rounding import HUGE, ROUNDING, TINY
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly
     from mecano.model.model import Node
     from mecano.model.system import System
 
-HUGE = 1e300  # larger numbers count as infinite
-TINY = 1e-300
 SIGNALS = 1e-8  # tolerance of the equation of a signal, relative to its value or rate
 NO_STIFFNESS = 1e-15  # N/m: a smaller mean stiffness is the rounding error of reactions
 SMALL = 1e-3  # signals that are smaller are judged as if they were of this size

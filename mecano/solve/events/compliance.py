@@ -17,6 +17,7 @@ from mecano.maths.distinct import distinct
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
+from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -28,7 +29,6 @@ SHARE_OF_PENALTY = 1e-7  # of the reactions, which the multipliers do not contai
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
 LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act
 TIMES = 20  # at which loads are evaluated, from the start to the end
-TINY = 1e-300
 
 
 @immutable

@@ -16,6 +16,7 @@ import numpy as np
 from mecano.element_interface import Place
 from mecano.errors import AssemblyError, Failure
 from mecano.immutable import immutable
+from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -29,7 +30,6 @@ ACCEPTED = 1e-2  # of the largest impulse, or velocity: redundant contacts, as c
 DIVERGED = 1e3  # of the largest impulse: the sweeps with this factor diverge
 PRESSED = 1e6  # times the impulse that stops the contacts one by one: beyond, velocities lose ten digits by rounding
 REPEATED = 1e-9  # relative: changes of two sweeps that differ by less are equal
-TINY = 1e-300  # least impulse [N s] used as a divisor
 MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
 
 

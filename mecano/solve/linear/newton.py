@@ -20,7 +20,7 @@ from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, bind_state, residual, residual_loops, tangent_loops
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
-from mecano.solve.linear.rounding import ROUNDING, at_rounding
+from mecano.solve.linear.rounding import ROUNDING, TINY, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import Weights, correct, motion_tangents
 from mecano.solve.time.workspace import (
@@ -35,7 +35,6 @@ from mecano.solve.time.workspace import (
     unknowns_of,
 )
 
-TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 SHARE = 0.001  # of the tolerances, to be met with a kept tangent: its last iteration does not square the error
 MOST_ROUNDING = 10.0  # largest residual, over its estimated rounding error, if the corrections are rounding errors

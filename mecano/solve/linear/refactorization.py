@@ -8,7 +8,8 @@ factored, the factorization included: this average is then least.
 import math
 
 from mecano.jit.kernel import kernel
-from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE, TINY
+from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE
+from mecano.solve.linear.rounding import TINY
 
 PRICE = 6.0  # iterations that cost as much as a new tangent and its factorization, in small models
 SMALL = 450  # unknowns up to which a model is small

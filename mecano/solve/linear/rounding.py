@@ -14,6 +14,7 @@ Hairer & Wanner (1996, IV.8) judge the next correction in the same way, with at 
 
 from mecano.jit.kernel import kernel
 
+TINY, HUGE = 1e-300, 1e300  # smaller numbers count as zero, larger ones as infinite
 ROUNDING = 16 * 2.2e-16  # relative rounding error of a sum of a few numbers
 NEAR = 1e-12  # a smaller correction may be rounding
 STALLS = 0.3  # it is, if it leaves more than this of the residual

@@ -6,6 +6,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.process.memory import reserve_blas_buffer
+from mecano.solve.linear.rounding import TINY
 
 NULL = 1e-6  # entries of the scaled matrix times a unit null vector are smaller
 
@@ -59,4 +60,4 @@ def _inverse_maxima(n, index, values):
     """Return (n,) one over the largest value of each row (or column) numbered in ``index``; 1 if all vanish."""
     largest = np.zeros(n)
     np.maximum.at(largest, index, values)
-    return 1.0 / np.where(largest > 1e-300, largest, 1.0)
+    return 1.0 / np.where(largest > TINY, largest, 1.0)

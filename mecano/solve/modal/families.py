@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.model.numbering import ROTATION, SIGNAL, TRANSLATION
+from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -34,7 +35,7 @@ def running_axes(system: "System", s: "State") -> np.ndarray:
     v = s.v[places[:, None] + np.arange(3)]
     fastest = np.linalg.norm(v, axis=1).max(initial=0.0)
     mean = v.mean(axis=0) if len(v) else np.zeros(3)
-    for forward, least in ((mean, max(SLOW * fastest, 1e-300)), (np.eye(3)[0], 0.5), (np.eye(3)[1], 0.0)):
+    for forward, least in ((mean, max(SLOW * fastest, TINY)), (np.eye(3)[0], 0.5), (np.eye(3)[1], 0.0)):
         level = forward - (forward @ up) * up
         if np.linalg.norm(level) > least:
             break

@@ -11,7 +11,7 @@ import numpy as np
 
 from mecano.maths.root import root
 from mecano.maths.vector import skew
-from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.modal.separated_basis import separated_basis
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def turning(steady: "Steady", at: "Tangent", K: np.ndarray) -> Turning:
     """Return the Turning of derivatives K (n, n_q) of a state with the Tangent ``at``."""
     scale = np.concatenate([1.0 / (at.k * steady.root), np.ones(steady.system.n_l)])
     U, sigma, Vt = np.linalg.svd(K[:, steady.turning] * scale[:, None] / steady.length, full_matrices=True)
-    rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))
+    rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), TINY)))
     N = np.zeros((steady.n_q, Vt.shape[0] - rank))
     N[steady.turning] = Vt[rank:].T
     spins = separated_basis(N.T).T

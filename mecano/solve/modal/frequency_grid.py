@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.solve.linear.rounding import TINY
+
 LIGHT = 0.5  # damping ratio below which a mode has a resonance
 UNDAMPED = 1e-9  # damping ratio that counts as zero: the peak is infinite
 NARROWEST = 1e-4  # of a frequency: least distance of added points
@@ -137,8 +139,8 @@ def _located(sampled, i, j, bracket):
     """
     for _ in range(ROUNDS):
         x = np.array(bracket) ** 2
-        f = np.array([1.0 / max(abs(sampled.at(omega)[i, j]) ** 2, 1e-300) for omega in bracket])
-        if not np.isfinite(1.0 / np.maximum(f, 1e-300)).all():
+        f = np.array([1.0 / max(abs(sampled.at(omega)[i, j]) ** 2, TINY) for omega in bracket])
+        if not np.isfinite(1.0 / np.maximum(f, TINY)).all():
             break
         u, v = x - x[1], f - f[1]
         below = u[0] * v[2] - u[2] * v[0]

@@ -18,6 +18,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.solve.linear.rounding import TINY
+
 if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization
 
@@ -94,7 +96,7 @@ class TransferFunction:
         largest = np.abs(x).max(axis=0, initial=0.0) + np.zeros(x.shape)
         size = self._matrix(np.abs(A.data)) @ largest + np.abs(right)
         residual = np.abs(A @ x - right)
-        self.error = max(self.error, float(np.max(residual / np.maximum(size, 1e-300), initial=0.0)))
+        self.error = max(self.error, float(np.max(residual / np.maximum(size, TINY), initial=0.0)))
         return columns[:, None] * x, columns[:, None] * largest
 
     def _factors(self, s):

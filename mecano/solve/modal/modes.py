@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from mecano.errors import ConvergenceError
+from mecano.solve.linear.rounding import TINY
 from mecano.solve.modal.modes_dense import dense, unstrained
 from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.refined_mode import refined, without_strain
@@ -190,7 +191,7 @@ def _with_free(scaled, values, shapes, free):
     if not still.any():
         return values, shapes
     basis = np.array([part for y in shapes[still] for part in (y.real, y.imag)]).T
-    U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300), full_matrices=False)
+    U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), TINY), full_matrices=False)
     free = separated_basis(U[:, sigma > 1e-3 * sigma[0]].T)
     moving = ~still
     return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])

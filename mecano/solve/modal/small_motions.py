@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.solve.linear.rounding import TINY
 from mecano.solve.modal.balance import balance
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ class SmallMotions:
             size += np.linalg.norm(abs(self.D) @ abs(mu))
         least = ROUNDED * self.size[2] * float(np.linalg.norm(y))
         gaps = [_relative(self.B, y), _relative(value * self.E + self.F, y)]
-        return float(max([np.linalg.norm(r) / max(float(size), least, 1e-300), *gaps]))
+        return float(max([np.linalg.norm(r) / max(float(size), least, TINY), *gaps]))
 
     def balancing_multipliers(self, r: np.ndarray) -> np.ndarray:
         """Return the multipliers mu that minimize |r + D mu| for r (n_q,)."""
@@ -134,4 +135,4 @@ def _balance(lin):
 def _relative(A, y):
     if not A.shape[0]:
         return 0.0
-    return float(np.linalg.norm(A @ y) / max(spla.norm(A) * np.linalg.norm(y), 1e-300))
+    return float(np.linalg.norm(A @ y) / max(spla.norm(A) * np.linalg.norm(y), TINY))

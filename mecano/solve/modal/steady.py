@@ -27,7 +27,7 @@ import numpy as np
 from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
-from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.modal.lowered_start import lowered
 from mecano.solve.modal.steadiness import require_steady
 from mecano.solve.time.increments import displaced, reach_of
@@ -166,7 +166,7 @@ class Steady:
             if at.excess <= 1.0 and last <= CHANGE:
                 return s, True
             step, last = self._step(at, N)
-            share = min(1.0, FARTHEST / max(last, 1e-300))
+            share = min(1.0, FARTHEST / max(last, TINY))
             while np.isfinite(last):
                 trial = self.motion.impose(self, self._moved(s, step, N, share))
                 if trial[2].merit <= (1.0 - LEAST_GAIN * share) * at.merit or max(trial[2].excess, at.excess) <= 1.0:
@@ -195,7 +195,7 @@ class Steady:
             if trial is None or not trial[2].force <= MOST_GROWTH * at.force:
                 drag *= HARDER
                 continue
-            drag *= self.motion.fading * min(max(trial[2].force / max(at.force, 1e-300), FADES[0]), FADES[1])
+            drag *= self.motion.fading * min(max(trial[2].force / max(at.force, TINY), FADES[0]), FADES[1])
             s, N, at = trial
         return s
 
@@ -230,7 +230,7 @@ class Steady:
 
     def allowed(self, size: np.ndarray, rounding: np.ndarray, relative: float) -> np.ndarray:
         """Return the tolerances (n_q,) of forces, moments over the length scale, ``relative`` to the largest force."""
-        return np.maximum(relative * max((size / self.root).max(initial=0.0), 1e-300), rounding / self.root)
+        return np.maximum(relative * max((size / self.root).max(initial=0.0), TINY), rounding / self.root)
 
     def _excess(self, f, size, rounding, gap):
         """Return the largest ratio of a residual to its tolerance."""

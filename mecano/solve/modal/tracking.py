@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from mecano.solve.linear.rounding import TINY
 from mecano.solve.modal.modes import damping, unstable
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class Spectrum:
         """Return the dissimilarity (m,) of each eigenpair to ``value`` with ``shape``."""
         apart = np.abs(self.values - value) / (np.abs(self.values) + abs(value) + 0.01 * largest)
         sizes = np.linalg.norm(self.shapes, axis=1) * np.linalg.norm(shape)
-        alike = np.abs(self.shapes.conj() @ shape) / np.maximum(sizes, 1e-300)
+        alike = np.abs(self.shapes.conj() @ shape) / np.maximum(sizes, TINY)
         return apart + SHAPE * (1.0 - alike**2)
 
     def nearest(self, value: complex, shape: np.ndarray) -> int:

@@ -22,6 +22,7 @@ import scipy.linalg as la
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
 from mecano.maths.root import root
 from mecano.maths.vector import skew
+from mecano.solve.linear.rounding import TINY
 from mecano.solve.modal.critical import Trace, branch_end
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def whirling(found: "Modes", lin: "Linearization", of: "Numbering", omega: np.nd
     for group in _equal(found.values):
         forward, backward, along = (_energies(M, part) for part in _parts(of, e, shapes[group]))
         whole = forward + backward + along
-        least = 1e-12 * max(np.trace(whole).real, 1e-300)
+        least = 1e-12 * max(np.trace(whole).real, TINY)
         shapes[group] = la.eigh(forward - backward, whole + least * np.eye(len(group)))[1].T @ shapes[group]
     forward, backward, along = (
         np.einsum("mi,mi->m", part.conj(), (M @ part.T).T).real for part in _parts(of, e, shapes)

@@ -16,7 +16,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.solve.diagnostics.failure import acting_clause
-from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
 from mecano.solve.statics.stability import Stability, freedom_text, motion_text
 from mecano.solve.time.increments import displaced, reach_of
@@ -94,7 +94,7 @@ class Relaxation:
         """
         statics, length = follower.statics, follower.statics.length
         sides = [displaced(s, sign * NUDGE * length * shape, statics.system.numbering) for sign in (1, -1)]
-        drag = self._downhill(follower, s, 4.0 * max(abs(stiffness), 1e-300))
+        drag = self._downhill(follower, s, 4.0 * max(abs(stiffness), TINY))
         creeps = [statics.correct(side, self.end, drag)[1] for side in sides]
         first, second = (found.change if found.ok else 0.0 for found in creeps)
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
@@ -159,7 +159,7 @@ class Relaxation:
         size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
         own = statics.weight > 0.0
         force = statics.assembly.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
-        return size, max(float(np.abs(force).max(initial=0.0)), 1e-300)
+        return size, max(float(np.abs(force).max(initial=0.0)), TINY)
 
     def _accepted(self, follower: Follower, s: "State", found: "Status", work: Work) -> Point:
         found.iterations += work.iterations

@@ -30,8 +30,9 @@ from mecano.model.loops import residual as of_residuals
 from mecano.model.loops import tangent as of_tangents
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR
 from mecano.model.state import Instant, State
-from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, TINY, Compliance, compliance_fields
+from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliance_fields
 from mecano.solve.linear import multifrontal
+from mecano.solve.linear.rounding import TINY
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
 
 if TYPE_CHECKING:

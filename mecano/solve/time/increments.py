@@ -23,6 +23,7 @@ from mecano.maths.so3 import exp, inverse_coefficient, tangent
 from mecano.maths.vector import EYE, cross, dot, mat, put, put_matrix, skew, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
+from mecano.solve.linear.rounding import HUGE
 from mecano.solve.time.workspace import BEGIN, TRIAL, copy_state, history_of, state_of, time_of, unknowns_of
 
 
@@ -183,7 +184,7 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
     worst = 0.0
     for i in range(n_q):
         x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
-        if not x <= 1e300:
+        if not x <= HUGE:
             return np.inf
         if kind[i] < SIGNAL:
             worst = max(worst, x)

@@ -10,6 +10,7 @@ from mecano.model.assembly_driver import assemble_residual, constraint_derivativ
 from mecano.model.numbering import ROTATION, SIGNAL, STATE
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.events.compliance import OF_RELEASED
+from mecano.solve.linear.rounding import HUGE
 from mecano.solve.time.radau_workspace import row_of, stage_of, weight
 from mecano.solve.time.workspace import BEGIN, state_of, system_of
 
@@ -115,7 +116,7 @@ def correct(w, r):
         for d in range(w.n_q):
             theta[i, d] -= change[d]
             x = abs(change[d]) / sizes[d]
-            if not x <= 1e300:
+            if not x <= HUGE:
                 return np.inf
             worst = max(worst, x)
         for j in range(w.n_l):

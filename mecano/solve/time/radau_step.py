@@ -16,9 +16,9 @@ from mecano.model.assembly_driver import (
 from mecano.model.loop_records import SYSTEM
 from mecano.model.numbering import ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
-from mecano.solve.diagnostics.scales import SIGNALS, SMALL, TINY
+from mecano.solve.diagnostics.scales import SIGNALS, SMALL
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, NOT_FINITE, PAUSE, STALE, TOO_MANY
-from mecano.solve.linear.rounding import at_rounding
+from mecano.solve.linear.rounding import TINY, at_rounding
 from mecano.solve.time.constrained_mass import MASS, accelerate, assemble_mass, change, factor_mass
 from mecano.solve.time.increments import largest, move
 from mecano.solve.time.radau_stages import begin_stages, correct, measure_signals, place, residual
