@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
-MOST_NAMED = 4  # elements or formulas
+MOST_NAMES = 4  # elements or formulas
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding errors
 ROUNDED_POSITIONS = 1e-15  # of the length scale, some times the rounding of numbers
@@ -56,7 +56,7 @@ def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]
     names = [name for name, _ in sorted(capture.by_element.items(), key=lambda item: (-item[1], item[0]))]
     smaller = "'time.adaptive.tolerance'" if values["adaptive"] else "'time.step'"
     yield (
-        f"{sum(capture.by_element.values())} events of {name_list(names, MOST_NAMED, '; ')} were taken at the ends of "
+        f"{sum(capture.by_element.values())} events of {name_list(names, MOST_NAMES, '; ')} were taken at the ends of "
         f"{capture.steps} steps instead of located, first after t = {capture.first:.4g} s: they happened at more than "
         f"time.located_events = {capture.most} instants beyond one in each step, or again and again at one instant. "
         f"Motions from one such event to the next are not resolved: compare with a run with a smaller {smaller}"
@@ -79,7 +79,7 @@ def wrap_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Ite
         formulas = [f"'{text}'" for text in deck.formulas if read.search(text)]
         if formulas and extremes.high[i] - extremes.low[i] > WRAPPED:
             yield (
-                f"{kind} '{name}': its {output}, read by {name_list(formulas, MOST_NAMED)}, is known within one turn "
+                f"{kind} '{name}': its {output}, read by {name_list(formulas, MOST_NAMES)}, is known within one turn "
                 "only and jumped by 2 pi; read the angle of a joint that counts turns, such as a hinge, or sine and "
                 "cosine of this one"
             )

@@ -13,7 +13,7 @@ from mecano.model.model import title_of
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
 
-MOST_NAMED = 4  # elements named with the same remedies
+MOST_NAMES = 4  # elements named with the same remedies
 
 
 @contextmanager
@@ -37,7 +37,7 @@ def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> s
             title = title_of(d["type"], name)
             if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
                 remedies.setdefault("; ".join(found), []).append(title)
-    tries = [f"in {name_list(titles, MOST_NAMED, '; ')}: {found}" for found, titles in remedies.items()]
+    tries = [f"in {name_list(titles, MOST_NAMES, '; ')}: {found}" for found, titles in remedies.items()]
     known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in affected)]
     return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 NOTICED = 1e-6  # of the fastest motion: a motion of a node that the deck leaves at rest, which is reported
 VIOLATED = 1e-4  # of the fastest motion: a reported change of a velocity, which decks give with some four digits
-MOST_NAMED = 3
+MOST_NAMES = 3
 
 
 def changed_velocities(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> list[str]:
@@ -95,4 +95,4 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
         moved = (change > max(NOTICED * fastest, least)) & ~quiet & ~wanted
         found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
         quiet |= moved
-    return name_list(found, MOST_NAMED, "; ")
+    return name_list(found, MOST_NAMES, "; ")

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from mecano.model.assembly import Observation
     from mecano.model.sampler import Sampler
 
-MOST_NAMED = 5  # elements in a message
+MOST_NAMES = 5  # elements in a message
 
 
 def output_not_finite(
@@ -29,6 +29,6 @@ def output_not_finite(
     if column.path.startswith("energy/"):  # the sum over all elements
         finite = np.isfinite(observation.energies)
         wrong = [b.names[e] for b in batches for e in np.flatnonzero(~finite[b.phases].all(axis=1))]
-        titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
+        titles = {path: "; ".join(wrong[:MOST_NAMES])} if wrong else {}
     owner = f"{titles[path]}: {output}" if path in titles else column.path
     return NonFiniteError(f"cannot continue from {where}: {owner} is not finite\nwhat to try: {remedy}")

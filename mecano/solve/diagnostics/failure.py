@@ -21,7 +21,7 @@ Failed = TypeVar("Failed", bound=ConvergenceError | NonFiniteError)
 REPORTED = 5  # equations reported, the worst of each node, joint or element
 UNITS = {TRANSLATION: " N", ROTATION: " N m"}  # of residuals
 NEGLIGIBLE = 1e-3  # of the worst residual: smaller ones are not reported
-NAMED = 6  # elements named of one equation
+MOST_NAMES = 6  # elements named of one equation
 NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
 MOVES = 0.1  # of the largest entry of a null vector: larger ones count as moving
 TRY = {
@@ -89,7 +89,9 @@ def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFini
     if not found:
         return error
     first, _, rest = str(error).partition("\n")
-    text = f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, NAMED)}" + (f"\n{rest}" if rest else "")
+    text = f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, MOST_NAMES)}" + (
+        f"\n{rest}" if rest else ""
+    )
     return NonFiniteError(text).about(found)
 
 
@@ -170,7 +172,7 @@ def acting_clause(system: "System", i: int) -> str:
     names = acting_elements(system, i)
     if not names:
         return ""
-    return f"; on it act {name_list(names, NAMED)}"
+    return f"; on it act {name_list(names, MOST_NAMES)}"
 
 
 def minimum_step(

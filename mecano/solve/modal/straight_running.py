@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 STEADY = 1e-6  # largest relative change of forces per radian or length scale
 DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
-SHARE, MOST_NAMED = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
+SHARE, MOST_NAMES = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
 
 
 class Straight:
@@ -146,6 +146,6 @@ class Straight:
         causes = [f"{name} {abs(shares[name]):.3g} N" for name in largest if abs(shares[name]) > SHARE * abs(drag)]
         return (
             f"\nalong the road some {abs(drag):.3g} N remain {'backward' if drag > 0.0 else 'forward'}: "
-            f"{name_list(causes, MOST_NAMED)}; causes are toe, rolling resistance, drag, loads or a slope; a drive "
+            f"{name_list(causes, MOST_NAMES)}; causes are toe, rolling resistance, drag, loads or a slope; a drive "
             "that controls the speed balances them if it has an integrator, as in docs/tyres.md"
         )

@@ -35,7 +35,7 @@ SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tange
 ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding error, also if a direction is softer
 RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
-NAMED = 2  # nodes named in the description of a motion
+MOST_NAMES = 2  # nodes named in the description of a motion
 SMALL = 0.2  # of the largest displacement: nodes that move less are not named
 
 
@@ -221,7 +221,7 @@ def motion_text(
     shape: np.ndarray,
     length: float,
     inertial: bool = False,
-    most: int = NAMED,
+    most: int = MOST_NAMES,
     M: "sp.csr_matrix | None" = None,
 ) -> str:
     """Describe a motion (n_q,) of the free unknowns at ``s``: at most ``most`` nodes, the most mobile first.

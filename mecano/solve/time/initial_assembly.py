@@ -21,7 +21,7 @@ MAX_ITERATIONS = 50
 TOLERANCE = 1e-12  # of the length scale, or rad
 FULFILLED = 100 * TOLERANCE
 REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration makes up for it
-NAMED = 5  # constraints named in a refusal
+MOST_NAMES = 5  # constraints named in a refusal
 
 
 def assemble_start(system: "System", linear: "LinearSolver", s: "State", length: float) -> "tuple[State, float]":
@@ -85,7 +85,7 @@ def _least_change(system, linear, s, phi, weight):
 def _refusal(system, start, s, iterations, length):
     """Return the message of an assembly that failed at ``s``: gaps of joints in the deck, and those that remain."""
     phi, error = _violations(system, s, length)
-    worst = [i for i in np.argsort(-error)[:NAMED] if not error[i] <= FULFILLED]
+    worst = [i for i in np.argsort(-error)[:MOST_NAMES] if not error[i] <= FULFILLED]
     places = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
     taking_part = [f"  taking part: {', '.join(places)}"] if len(places) > 1 else []
     return "\n".join(

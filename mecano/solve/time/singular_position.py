@@ -32,7 +32,7 @@ TOO_NEAR = 300.0  # amplification above which a step that fails is explained by 
 BACK = 1e-4  # length scales, or rad, from a singular position: near enough, and regular
 TAKE_PART = 0.1  # of the largest share of a constraint in the dependence
 DRIVES = 1e-6  # of the same: share of a prescribed motion that may lead to it
-NAMED = 8  # constraints in the message
+MOST_NAMES = 8  # constraints in the message
 
 
 class Amplification:
@@ -125,11 +125,11 @@ def _of_drives(drives):
     if not drives:
         return "", ""
     return (
-        f"it cannot go on if {name_list(drives, NAMED)} drives it beyond its reach\n",
+        f"it cannot go on if {name_list(drives, MOST_NAMES)} drives it beyond its reach\n",
         "a prescribed motion within the reach of the mechanism; ",
     )
 
 
 def _error(places, text):
     """Return the error with the ``places`` of constraints entered into the ``text``."""
-    return ConvergenceError(text.replace("{}", name_list(places, NAMED), 1)).about(places)
+    return ConvergenceError(text.replace("{}", name_list(places, MOST_NAMES), 1)).about(places)
