@@ -89,10 +89,8 @@ def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFini
     if not found:
         return error
     first, _, rest = str(error).partition("\n")
-    text = f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, MOST_NAMES)}" + (
-        f"\n{rest}" if rest else ""
-    )
-    return NonFiniteError(text).about(found)
+    already = f"already not finite at t = {s.t:.9g} s: {name_list(found, MOST_NAMES)}"
+    return NonFiniteError("\n".join(line for line in (first, already, rest) if line)).about(found)
 
 
 def undetermined(system: "System", assembly: "Assembly") -> str:
