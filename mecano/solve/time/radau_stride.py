@@ -44,12 +44,9 @@ def stride(
     m, w, r, o = integrator[0], work[0], radau[0], output[0]
     while True:
         if m.phase == READY:
-            if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
-                return ENOUGH
-            if departs(m, w):
-                return REPEAT
-            w.h, m.rejections, m.of_rejected = m.planned, 0, 0
-            begin(m, w)
+            found = prepared(m, w)
+            if found != ADVANCED:
+                return found
         if m.phase == STEPPING:
             found = tried(m, w, r, o)
             if found == AGAIN:
@@ -65,6 +62,18 @@ def stride(
                 return RECORDED
         if is_due(w):
             return WAIT
+
+
+@kernel
+def prepared(m, w):
+    """Begin the next step; return ADVANCED, or why the call ends."""
+    if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
+        return ENOUGH
+    if departs(m, w):
+        return REPEAT
+    w.h, m.rejections, m.of_rejected = m.planned, 0, 0
+    begin(m, w)
+    return ADVANCED
 
 
 @kernel
