@@ -157,43 +157,55 @@ def _corners(area):
 
 def start_warnings(d, nodes):
     """Return warnings about the gas, a strut that starts beyond its full extension, stops and orifices."""
-    gas, second, texts = d["gas"], d["second_gas"], []
     full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
+    beyond = _beyond(d["oil"], length if full is None else full)
+    return [*_overextended(full, length), *_weak_gas(d["gas"]), *_reversed_stops(d["law"]), *beyond, *_unlike_sizes(d)]
+
+
+def _overextended(full, length):
+    """Yield a text if a strut of this length [m] starts beyond its full extension; ``full`` may be None."""
     if full is not None and length > (1.0 + LONGER) * full:
-        texts.append(
+        yield (
             f"it starts {length - full:.3g} m longer than its 'extended_length', {full:g} m: beyond the stop of the "
             "extended strut; is the length right?"
         )
+
+
+def _weak_gas(gas):
+    """Yield a text if the pressure of the gas is less than that of the air."""
     if gas["pressure"] < gas["ambient_pressure"]:
-        texts.append(
+        yield (
             f"'gas.pressure' is {gas['pressure']:g} Pa, less than the {gas['ambient_pressure']:g} Pa of the air: "
             "the extended strut pulls; is this intended? Pressures are absolute"
         )
-    texts += _reversed_stops(d["law"]) + _beyond(d["oil"], length if full is None else full)
+
+
+def _unlike_sizes(d):
+    """Yield texts on volumes and areas that do not suit the stroke or one another."""
+    gas, second, oil = d["gas"], d["second_gas"], d["oil"]
     used_up = (gas["volume"] + (0.0 if second is None else second["volume"])) / gas["area"]
     stroke = min((-values["lower"] for term, values in d["law"] or () if term == "stop"), default=0.0)
     if used_up <= stroke < FAR:
-        texts.append(
+        yield (
             f"the stop is at a stroke of {stroke:g} m, but all gas is used up at {used_up:g} m (volume over area): the "
             "strut cannot reach the stop; is the volume right?"
         )
     if 0.0 < stroke < LEAST_COMPRESSION * used_up:
-        texts.append(
+        yield (
             f"the whole stroke of {stroke:g} m compresses the gas by {stroke / used_up:.2g} of its volume, so that it "
             "hardly springs; is 'gas.volume' right, in m3?"
         )
-    if not 1.0 / UNLIKE < d["oil"]["area"] / gas["area"] < UNLIKE:
-        texts.append(
-            f"'oil.area' is {d['oil']['area']:g} m2 and 'gas.area' {gas['area']:g} m2: the same piston displaces oil "
-            "and gas; is a unit missing?"
+    if not 1.0 / UNLIKE < oil["area"] / gas["area"] < UNLIKE:
+        yield (
+            f"'oil.area' is {oil['area']:g} m2 and 'gas.area' {gas['area']:g} m2: the same piston displaces oil and "
+            "gas; is a unit missing?"
         )
-    widest = max(_areas(d["oil"]["orifice"]) + _areas(d["oil"]["rebound_orifice"]))
-    if widest >= d["oil"]["area"]:
-        texts.append(
-            f"an orifice has {widest:g} m2, not less than the {d['oil']['area']:g} m2 of 'oil.area', the piston that "
+    widest = max(_areas(oil["orifice"]) + _areas(oil["rebound_orifice"]))
+    if widest >= oil["area"]:
+        yield (
+            f"an orifice has {widest:g} m2, not less than the {oil['area']:g} m2 of 'oil.area', the piston that "
             "displaces the oil: is this intended, or is a unit missing?"
         )
-    return texts
 
 
 def _reversed_stops(law):
