@@ -28,7 +28,7 @@ REMEDY = "laws that stay finite near this state; a smaller time.step or time.ada
 class Recorder:
     """Writer of saved times, solver history, events and extremes of a run.
 
-    ``poll()`` is called after every ``LOOK`` saved times within a step; it may raise Stopped.
+    ``poll()`` is called within a step whose saved times fill the buffers more than once; it may raise Stopped.
     """
 
     def __init__(self, prepared: "Prepared", writer: "Writer", sampler: "Sampler", integrator: "TimeIntegrator"):
