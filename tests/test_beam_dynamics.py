@@ -199,7 +199,7 @@ def test_ring():
         energy = recorded["energy/balance"]
         energies.append(np.abs(energy - energy[0]).max())
     assert errors[1] < 1e-4
-    assert energies[0] / energies[1] == pytest.approx(4.0, abs=0.2)
+    assert energies[0] / energies[1] == pytest.approx(4.0, abs=0.02)
 
 
 @pytest.mark.slow

@@ -179,12 +179,12 @@ def test_section_forces_are_those_of_statics():
     P = 10.0
     force, strain = found.output("elements/leg.1/force"), found.output("elements/leg.1/strain")
     np.testing.assert_allclose(force, [0, 0, P], atol=1e-4 * P)
-    np.testing.assert_allclose(found.output("elements/leg.1/moment_start"), [0, -P, 0], atol=1e-4 * P)
-    np.testing.assert_allclose(found.output("elements/leg.1/moment"), [0, -0.875 * P, 0], atol=1e-4 * P)
-    np.testing.assert_allclose(found.output("elements/leg.1/moment_end"), [0, -0.75 * P, 0], atol=1e-4 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment_start"), [0, -P, 0], atol=1e-6 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment"), [0, -0.875 * P, 0], atol=1e-6 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment_end"), [0, -0.75 * P, 0], atol=1e-6 * P)
     shear = P / (10 * 1.3 / (12 + 11 * 0.3) * 2e11 / 2.6 * 0.0008)
-    assert strain[2] == pytest.approx(shear, rel=1e-4)
-    assert found.output("elements/leg.1/normal_stress")[0] == pytest.approx(6 * P / (0.02 * 0.04**2), rel=1e-4)
+    assert strain[2] == pytest.approx(shear, rel=1e-6)
+    assert found.output("elements/leg.1/normal_stress")[0] == pytest.approx(6 * P / (0.02 * 0.04**2), rel=1e-6)
     assert found.output("elements/leg.4/moment_end")[1] == pytest.approx(0.0, abs=1e-6)
 
 

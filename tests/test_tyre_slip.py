@@ -33,9 +33,9 @@ def test_a_patch_rolls_backward_as_forward(law):
     )
     force, turned = (run["elements/tire/contact_force"][-1] for run in (ahead, astern))
     assert 1e3 < np.abs(force[1]) < 0.2 * force[2]  # far below friction
-    np.testing.assert_allclose(turned, force * [-1, -1, 1], atol=2e-3 * np.abs(force).max())
+    np.testing.assert_allclose(turned, force * [-1, -1, 1], atol=1e-6 * np.abs(force).max())
     moment, other = (run["elements/tire/aligning_moment"][-1] for run in (ahead, astern))
-    np.testing.assert_allclose(other, moment, atol=1e-3 * np.abs(force).max())
+    np.testing.assert_allclose(other, moment, atol=1e-6 * np.abs(force).max())
 
 
 @pytest.mark.parametrize("law", LAWS)
