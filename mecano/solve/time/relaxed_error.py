@@ -17,7 +17,7 @@ If each step leaves the share :math:`\rho = x/\delta`, the errors add up to :mat
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.model.assembly_driver import bind_state, loops_at, residual
+from mecano.model.assembly_driver import bind_state, residual, residual_loops
 from mecano.model.numbering import ROTATION
 from mecano.solve.time.increments import largest_change
 from mecano.solve.time.step_control import FORGOTTEN
@@ -68,7 +68,7 @@ def left_by_equations(w, light, errors_out):
     They are overwritten. The residual is last that of the state itself, whose forces are observed.
     """
     s, system, rates = state_of(w, TRIAL), system_of(w), floats(w.guess + 8 * w.n, w.n)
-    r, x, loops = floats(w.residual, w.n_all), floats(w.increment, w.n), loops_at(w.n_loops, w.loops, w.batches)
+    r, x, loops = floats(w.residual, w.n_all), floats(w.increment, w.n), residual_loops(w)
     bind_state(system, s)
     system[0].lag = 1.0 / w.cC
     for i in range(light.size):
