@@ -384,7 +384,25 @@ NOTES = {  # words with the same meaning: (targets, note)
     "lookup table, characteristic, map, command profile, nonlinear gain": (
         "curve table", "a curve is a signal: a law of its input, which may be the time"
     ),
-    "saturation, saturate, clip, limiter": ("limit pid", "a signal between two limits; a pid has limits, too"),
+    "saturation, saturate, clip, limiter, torque limit, force limit, current limit": ("limit pid", "a signal between two limits; a pid has limits, too"),
+    "input shaping, input shaper, zero vibration, command shaping": (
+        "delay formula",
+        "half of a command, and half of it delayed by half a period, leave no vibration of a mode with little damping",
+    ),
+    "robot, robot arm, manipulator, serial robot": (
+        "hinge joint_moment pid sample_and_hold grip",
+        "links on hinges with a joint_moment each; prescribed_angle for inverse dynamics; `mecano new --list`",
+    ),
+    "stress, stresses, von mises, bending stress": (
+        "beam bar", "outputs of beams and bars with a section; `mecano post` draws them, a page colours them"
+    ),
+    "work, work done, consumed energy, electric energy": (
+        "integrator", "the integral of the output 'power' of a load or a driven joint; energy.given sums all of them"
+    ),
+    "spectrum, psd, power spectral density, fft, fourier": (
+        "", "`mecano post` with --spectrum or --density draws that of an output; saved times must be equidistant"
+    ),
+    "rebound, rebound stop, bump, jounce": ("stop", "the upper and the lower stop of a law or a joint"),
     "filter, low pass, high pass, derivative": ("lag washout transfer_function state_space", ""),
     "integral, accumulator": ("integrator", ""),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),
