@@ -384,7 +384,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "lookup table, characteristic, map, command profile, nonlinear gain": (
         "curve table", "a curve is a signal: a law of its input, which may be the time"
     ),
-    "saturation, saturate, clip, limiter, torque limit, force limit, current limit": ("limit pid", "a signal between two limits; a pid has limits, too"),
+    "saturation, saturate, clip, limiter, torque limit, force limit, current limit": (
+        "limit pid", "a signal between two limits; a pid has limits, too"
+    ),
     "input shaping, input shaper, zero vibration, command shaping": (
         "delay formula",
         "half of a command, and half of it delayed by half a period, leave no vibration of a mode with little damping",

@@ -53,7 +53,7 @@ class LightUnknowns:
         key = s.phases.tobytes()
         if key not in self._in_phases:
             of_nodes = massless_unknowns(self._system, s, self._length)
-            self._in_phases[key] = np.union1d(self._scalars, of_nodes).astype(np.int64)
+            self._in_phases[key] = distinct(np.concatenate([self._scalars, of_nodes]).astype(np.int64))
         return self._in_phases[key]
 
     def begin(self, w: "Workspace", s: "State") -> None:
@@ -123,9 +123,9 @@ def _apart(light, rows, cols, entries):
 
 def _moving(rows, cols, values, columns):
     """Return (n,) bool: which of the ``columns`` (n,) move in the null space of a matrix given by its entries."""
-    _, i = np.unique(rows, return_inverse=True)
-    block = np.zeros((max(i.max(initial=-1) + 1, 1), len(columns)))
-    block[i, np.searchsorted(columns, cols)] = values
+    own = distinct(rows.copy())
+    block = np.zeros((max(len(own), 1), len(columns)))
+    block[np.searchsorted(own, rows), np.searchsorted(columns, cols)] = values
     _, sigma, Vt = np.linalg.svd(block)
     null = Vt[int(np.sum(sigma > RANK_TOLERANCE)) :]
     return np.sum(null**2, axis=0) > SHARE
