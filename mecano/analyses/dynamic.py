@@ -44,7 +44,11 @@ if TYPE_CHECKING:
 
     from mecano.deck.deck import Deck
     from mecano.solve.time.run_state import RunState
+    from mecano.solve.time.short_steps import ShortSteps
     from mecano.solve.time.time_integration import Accepted, TimeIntegrator
+
+BLOCK = 200  # steps judged together, at least
+VERY_SHORT = 5e-5  # of the duration: mean step of a stretch that is watched
 
 
 class Supervision:
@@ -255,7 +259,24 @@ class Ongoing:
         recorder.poll = self._checkpoint_writer.poll
         integrator.method.patience = min(integrator.method.patience, interval)
         integrator.recorder, integrator.observers = recorder, tuple(supervision.observers)
-        integrator.reporters = recorder.report, *supervision.reporters
+        self._judged = start
+        self._short_steps: ShortSteps | None = None
+        judges = [self._judge_steps] if integrator.control.adaptive and integrator.method.order == 2 else []
+        integrator.reporters = recorder.report, *judges, *supervision.reporters
+
+    def _judge_steps(self, run):
+        """Let a monitor, once there is a reason for one, count the steps up to ``run`` if they are very short."""
+        last, control = self._judged, self.integrator.control
+        steps, time = run.steps - last.steps, run.motion.t - last.motion.t
+        if steps < BLOCK:
+            return
+        self._judged = run
+        if time < VERY_SHORT * control.duration * steps:
+            if self._short_steps is None:
+                from mecano.solve.time.short_steps import ShortSteps  # most runs have no such steps
+
+                self._short_steps = ShortSteps(self.integrator.method, control)
+            self._short_steps.add(last, run)
 
     def advance(self, t: float, given: Mapping[str, float] | None = None) -> None:
         """Integrate to the time ``t`` [s], with new values of external signals from the current time on.
@@ -305,6 +326,8 @@ class Ongoing:
         deck, integrator, recorder, values = self.deck, self.integrator, self.recorder, self.deck.values["time"]
         sampler, extremes = recorder.sampler, recorder.writer.extremes
         warnings = [*integrator.warnings, *step_cut_warnings(values, integrator.cuts, self.state)]
+        if self._short_steps:
+            warnings += self._short_steps.warnings(self.state)
         warnings += capture_warnings(values, integrator.capture)
         warnings += until_warnings(values, self.state.motion.t, self.ended)
         warnings += limit_warnings(deck, sampler, extremes)
