@@ -221,9 +221,10 @@ EITHER = """
         - {{nodes: [{turns}], angular_velocity: {rate}, about: [0, 0, 0]}}
     time: {{end: 1.0e-6, step: 1.0e-6}}
 """
-TOP, DRUM_OF_1_M = (
+TOP, DRUM_OF_1_M, PIPE_OF_2_M = (
     "plane: {normal: [0, 0, 1], point: [0, 0, 1]}",
     "cylinder: {axis: [0, 1, 0], radius: 1.0, center: [0.2, 0, 0]}",
+    "cylinder: {axis: [0, 1, 0], radius: 2.0, center: [0.2, 0, 3], inside: true}",
 )
 BRUSH = (
     "fiala: {cornering_stiffness: 3.0e4, friction: 0.9, contact_length: 0.12, contact_width: 0.1, "
@@ -232,7 +233,10 @@ BRUSH = (
 
 
 @pytest.mark.parametrize("law", [BRUSH, "magic_formula: {file: passenger_car.tir}"])
-@pytest.mark.parametrize(("surface", "rate"), [(TOP, (0, 0, 1.7)), (TOP, (0.3, 1.1, 0.4)), (DRUM_OF_1_M, (0, 1.7, 0))])
+@pytest.mark.parametrize(
+    ("surface", "rate"),
+    [(TOP, (0, 0, 1.7)), (TOP, (0.3, 1.1, 0.4)), (DRUM_OF_1_M, (0, 1.7, 0)), (PIPE_OF_2_M, (0.2, 1.1, 0))],
+)
 def test_a_surface_that_turns_is_a_wheel_that_is_carried_round_the_other_way(surface, rate, law, tmp_path):
     """Both are the same motion in axes of the surface: so are forces and moments, with camber, slip and turn slip."""
     shutil.copy(INPUTS / "passenger_car.tir", tmp_path)
