@@ -513,6 +513,8 @@ def test_pictures_leave_out_modes_that_are_much_faster_than_the_growing_ones():
     ):
         shown, above, found = shown_modes(modes, below)
         assert list(shown) == list(wanted) and list(above) == left_out and found == (limit and pytest.approx(limit))
+    for below, above, wanted in ((None, 3.0, [1]), (None, 1.0, [0, 1]), (1e3, 6.0, [2]), (2.05, 2.0, [0])):
+        assert list(shown_modes(modes, below, above)[0]) == wanted
     stable = {name: values[1:] for name, values in modes.items()}  # none grows: the least damped one is the fast one
     assert list(shown_modes(stable)[0]) == [0, 1, 2]
 
@@ -536,6 +538,7 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
     file = read_sweep("bicycle_sweep.h5")
     assert len(sweep_figure(file, below=0.01).axes[2].lines) < len(sweep_figure(file).axes[2].lines)
+    assert len(sweep_figure(file, above=1e5).axes[2].lines) < len(sweep_figure(file).axes[2].lines)
     assert [ax.get_xlabel() for ax in sweep_figure(file).axes] == ["real part [1/s]", *["speed [m/s]"] * 3]
     assert file.title == "Benchmark bicycle" and file.modes["real_part"].shape == (3, 3)
     assert file.modes["damping_ratio"].max() == 1.0 and len(file.motions) == 3

@@ -77,6 +77,7 @@ axes = click.option(
 BELOW = (
     "Leave modes of higher frequency out of the picture of a sweep; default: far above growing or least damped ones."
 )
+ABOVE = "Leave modes of lower frequency, and those that do not oscillate, out of the picture of a sweep."
 plugins = click.option(
     "--plugin", multiple=True, metavar="FILE.py", callback=_load, expose_value=False, is_eager=True,
     help="Python file with your own kinds, tyre laws and laws, which is executed; may be repeated.",

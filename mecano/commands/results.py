@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import click
 
-from mecano.commands import BELOW, grouped, overrides, plugins, show
+from mecano.commands import ABOVE, BELOW, grouped, overrides, plugins, show
 
 
 class Pictures(NamedTuple):
@@ -18,6 +18,7 @@ class Pictures(NamedTuple):
     columns: bool
     below: float | None
     measured: str | None
+    above: float | None
 
 
 class Pages(NamedTuple):
@@ -47,6 +48,7 @@ class Pages(NamedTuple):
 @click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
 @click.option("--title", help="Title of the pictures; default: the title of the deck.")
 @click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
+@click.option("--above", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=ABOVE)
 @click.option(
     "--measured", metavar="FILE.csv", type=click.Path(),
     help="Draw its columns, named by their headers as outputs, as points into the plots of these.",

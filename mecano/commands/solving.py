@@ -6,6 +6,7 @@ from typing import NamedTuple
 import click
 
 from mecano.commands import (
+    ABOVE,
     BELOW,
     axes,
     grouped,
@@ -100,6 +101,7 @@ class Sweep(NamedTuple):
     orders: tuple[float, ...]
     columns: bool
     below: float | None
+    above: float | None
 
 
 @click.command(short_help="Compute modes, root loci and critical values.")
@@ -135,6 +137,7 @@ class Sweep(NamedTuple):
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture next to the file.")
 @click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
+@click.option("--above", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=ABOVE)
 @click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep next to the file.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of sweeps and compilation.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
@@ -171,7 +174,7 @@ def modes(
         if plot:
             from mecano.post.pictures import draw_alone
 
-            show(str(draw_alone(path, below=swept.below)))
+            show(str(draw_alone(path, below=swept.below, above=swept.above)))
     else:
         path = output or f"{stem}_modes{about.suffix}.h5"
         found = _modes_about(path, deck, overrides, quiet, number=number or 10, **about._asdict(), **options)
@@ -184,7 +187,10 @@ def modes(
 
 def _refuse_unfit(about, swept):
     """Raise BadParameter for an option without the one to which it belongs."""
-    of_sweeps = {"--csv": swept.columns, "--below": swept.below, "--campbell": swept.rotor, "--order": swept.orders}
+    of_sweeps = {
+        "--csv": swept.columns, "--below": swept.below, "--above": swept.above, "--campbell": swept.rotor,
+        "--order": swept.orders,
+    }  # fmt: skip
     given = [option for option, value in of_sweeps.items() if value]
     if swept.sweeps and (about.at is not None or about.at_rest):
         raise click.BadParameter(

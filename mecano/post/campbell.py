@@ -23,8 +23,8 @@ LONGEST, MOST_NAMED = 100, 12  # characters of a motion in the legend; modes in 
 NUMBERS = 7.5  # points
 
 
-def campbell_figure(file: "SweepFile", below: float | None = None) -> "Figure":
-    """Return the figure of a SweepFile with a rotor; ``below`` [Hz]: limit of the frequencies shown."""
+def campbell_figure(file: "SweepFile", below: float | None = None, above: float | None = None) -> "Figure":
+    """Return the figure of a SweepFile with a rotor; ``below``, ``above`` [Hz]: limits of the frequencies shown."""
     heading = f"Campbell diagram of '{file.rotor}'; about: {file.about}"
     figure = plain_figure(*SIZE, file.title or file.path.stem, heading)
     over, under = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -35,7 +35,7 @@ def campbell_figure(file: "SweepFile", below: float | None = None) -> "Figure":
         _name(over, x, order * x / 60.0, limit, f"{order:g}x")
     frequency = np.where(file.modes["imaginary_part"] > 0.0, file.modes["frequency"], np.nan)
     damping = np.where(file.modes["imaginary_part"] > 0.0, file.modes["damping_ratio"], np.nan)
-    shown = [b for b in range(len(frequency)) if np.any(frequency[b] <= limit)]
+    shown = [b for b in range(len(frequency)) if np.any((frequency[b] <= limit) & (frequency[b] >= (above or 0.0)))]
     for i, b in enumerate(shown):
         marker = "." if len(x) < 3 else ""
         for word, style in STYLES.items():
@@ -43,7 +43,7 @@ def campbell_figure(file: "SweepFile", below: float | None = None) -> "Figure":
             for ax, values in ((over, frequency[b]), (under, damping[b])):
                 ax.plot(x, np.where(_with_next(own), values, np.nan), color=_colour(i), linestyle=style, marker=marker)
     _mark(over, file.resonances, limit)
-    over.set(ylabel="damped frequency [Hz]", ylim=(0.0, limit))
+    over.set(ylabel="damped frequency [Hz]", ylim=(above or 0.0, limit))
     under.set(xlabel=f"speed of '{file.rotor}' [1/min]", ylabel="damping ratio")
     under.axhline(0.0, color=INK, linewidth=0.8)
     figure.legend(handles=_handles(file, shown), loc="outside lower left", ncols=1)

@@ -39,18 +39,19 @@ ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster 
 ROUNDED = 1e-6  # damping ratio that counts as zero
 
 
-def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":
-    """Return the figure of a SweepFile, without modes of higher frequency than ``below`` [Hz], see ``shown_modes``.
+def sweep_figure(file: SweepFile, below: float | None = None, above: float | None = None) -> "Figure":
+    """Return the figure of a SweepFile with the modes between ``above`` and ``below`` [Hz], see ``shown_modes``.
 
-    Raises ResultsError, and UsageError for a map of stability with ``below``.
+    Raises ResultsError, and UsageError for a map of stability with one of these.
     """
     units, is_map = _units(file), len(file.names) == 2
-    if is_map and below is not None:
-        raise UsageError(f"--below: {file.path} is a map of stability, which shows the least stable of all modes")
+    given = [name for name, value in (("--below", below), ("--above", above)) if value is not None]
+    if is_map and given:
+        raise UsageError(f"{given[0]}: {file.path} is a map of stability, which shows the least stable of all modes")
     with matplotlib.rc_context(SETTINGS):
         if file.rotor:
-            return campbell_figure(file, below)
-        return _map(file, units) if is_map else _loci(file, units[0], below)
+            return campbell_figure(file, below, above)
+        return _map(file, units) if is_map else _loci(file, units[0], below, above)
 
 
 def _units(file):
@@ -70,11 +71,12 @@ def _headed(file, size):
 
 
 def shown_modes(
-    modes: Mapping[str, np.ndarray], below: float | None = None
+    modes: Mapping[str, np.ndarray], below: float | None = None, above: float | None = None
 ) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Return (indices of the modes shown, indices of those above the limit, limit [Hz] or None).
+    """Return (indices of the modes shown, indices of those faster than the limit, limit [Hz] or None).
 
-    Modes that oscillate faster than the limit at all values are above it. Without ``below`` [Hz] the limit is ABOVE
+    Modes that oscillate faster than the limit at all values are faster, those that oscillate slower than ``above`` [Hz]
+    at all values, or do not, are not shown. Without ``below`` [Hz] the limit is ABOVE
     times the highest frequency of the modes that grow at some value or, if none grows, of those that are least damped
     at some value, and of lightly damped ones whose damping changes.
     """
@@ -84,9 +86,10 @@ def shown_modes(
         below = _of_interest(modes, frequency) * ABOVE
     known = np.isfinite(modes["real_part"])
     inside = np.any(known & ~(frequency > below), axis=1)
-    above = np.flatnonzero(~inside)
-    fast = np.any(frequency > below)
-    return np.flatnonzero(inside), above, below if fast else None
+    faster = np.flatnonzero(~inside)
+    if above is not None:
+        inside &= np.any(frequency >= above, axis=1)
+    return np.flatnonzero(inside), faster, below if np.any(frequency > below) else None
 
 
 def _of_interest(modes, frequency):
@@ -103,9 +106,9 @@ def _of_interest(modes, frequency):
     return frequency[chosen].max(initial=0.0) or np.inf
 
 
-def _loci(file, unit, below):
+def _loci(file, unit, below, above):
     figure = _headed(file, SIZE)
-    shown, above, limit = shown_modes(file.modes, below)
+    shown, faster, limit = shown_modes(file.modes, below, above)
     grid = figure.subplots(2, 2)
     modes, x = file.modes, file.parameter
     oscillates = modes["imaginary_part"] > 0.0
@@ -132,8 +135,8 @@ def _loci(file, unit, below):
     _limited(grid[0, 1], grid[0, 1].set_ylim, *near)
     if limit is not None:
         grid[1, 0].set_ylim(0.0, limit)
-        if len(above):
-            note_below(grid[1, 0], f"{_named(above)} above {limit:.3g} Hz: --below HZ shows others")
+        if len(faster):
+            note_below(grid[1, 0], f"{_named(faster)} above {limit:.3g} Hz: --below HZ shows others")
     handles = _handles(file, shown)
     figure.legend(handles=handles, loc="outside lower left", ncols=1 if len(handles) <= IN_A_COLUMN else 2)
     return figure

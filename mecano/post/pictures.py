@@ -57,6 +57,7 @@ def post(
     at: str | None = None,
     below: float | None = None,
     measured: str | os.PathLike[str] | None = None,
+    above: float | None = None,
     force: bool = False,
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
@@ -85,8 +86,8 @@ def post(
     at : str
         Times [s] separated by commas: a picture for each file of the configurations at these times, in addition to the
         ``plots``.
-    below : float
-        Frequency [Hz] above which the picture of a sweep omits modes; by default ``loci.shown_modes``.
+    below, above : float
+        Frequencies [Hz] between which the picture of a sweep shows modes; by default ``loci.shown_modes``.
     measured : str or Path
         CSV file of measured outputs (measured.py), drawn as points into the ``plots``; without any, its columns are
         plotted over the first.
@@ -103,11 +104,12 @@ def post(
     formats = {path: format_of(path) for path in paths}
     of_runs = {"--spectrum": spectra, "--density": densities, "--at": at, "--csv": columns, "--title": title}
     _refuse_together(formats, plots, of_runs | {"--measured": measured})
-    if below is not None and {*formats.values()} != {sweep_file.FORMAT}:
-        raise UsageError("--below: only for files of `mecano modes --sweep`")
+    band = {name: value for name, value in (("below", below), ("above", above)) if value is not None}
+    if band and {*formats.values()} != {sweep_file.FORMAT}:
+        raise UsageError(f"--{next(iter(band))}: only for files of `mecano modes --sweep`")
     if ALONE.keys() & formats.values():
         yield from (
-            _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, below, force)
+            _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, band, force)
         )
         return
     with opened_runs(paths) as runs:
@@ -173,7 +175,7 @@ def _refuse_together(formats, plots, of_runs):
         raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
 
 
-def _of_others(paths, output, kind, below, force):
+def _of_others(paths, output, kind, band, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
     if len(paths) > 1 and output and not folder:
@@ -182,16 +184,16 @@ def _of_others(paths, output, kind, below, force):
         target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
         target = target or Path(path).with_suffix(f".{kind}")
         refuse_foreign(target, force)
-        yield draw_alone(path, target, below)
+        yield draw_alone(path, target, **band)
 
 
-def draw_alone(path: str | os.PathLike[str], target: Path | None = None, below: float | None = None) -> Path:
+def draw_alone(path: str | os.PathLike[str], target: Path | None = None, **band: float | None) -> Path:
     """Draw a file of modes, a response, margins, a sweep or a study beside it, or at ``target``; return the Path.
 
-    ``below`` as in ``post``. Raises ResultsError, also if there is nothing to draw.
+    ``band``: ``below`` and ``above`` as in ``post``. Raises ResultsError, also if there is nothing to draw.
     """
     read, figure_of = ALONE[format_of(path)]
-    figure = figure_of(read(path)) if below is None else figure_of(read(path), below)
+    figure = figure_of(read(path), **{name: value for name, value in band.items() if value is not None})
     if figure is None:
         raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
     return _save(figure, target or Path(path).with_suffix(".png"))
