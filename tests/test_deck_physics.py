@@ -178,7 +178,7 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
             "must be a list, each item a",
             "begin each item with '-'",
         ),
-        ("time:", "initial: {velocities: [{nodes: a}]}\ntime:", "names or 'all', got the text 'a'", "write [a]"),
+        ("time:", "initial: {velocities: [{nodes: a}]}\ntime:", "members or 'all', got the text 'a'", "write [a]"),
         ("mass: 1,", "mass: '1,',", "must be a number [kg], got the text '1,'", "write 1"),
         ("type: rigid_body,", "rigid_body: ,", "unknown key 'rigid_body'", "write 'type: rigid_body'"),
         ("time:", "post: {position: [0, 0, 0]}\ntime:", "unknown key 'post'", "indent it, if it is an entry of the"),

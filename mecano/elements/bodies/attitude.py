@@ -44,7 +44,7 @@ def observe(p, at, F, y, e):
     put(y, 6, omega)
     put(y, 9, R.T @ vec(at.v, 0))
     put(y, 12, vec(at.a, 0))
-    put(y, 15, R.T @ (vec(at.a, 0) - vec(p.gravity, 0)))
+    put(y, 15, R.T @ (vec(at.a, 0) - vec(p.free_fall, 0)))
 
 
 @kernel
@@ -60,7 +60,7 @@ ATTITUDE = Kind(
     section="elements",
     doc=__doc__,
     display=Display("nothing"),
-    dtype=record(gravity=3),
+    dtype=record(free_fall=3),
     layout=("x0", "R0"),
     fields=(Field("node", NODE, "-", "node whose attitude is measured"),),
     outputs=(
@@ -82,5 +82,6 @@ ATTITUDE = Kind(
     ),
     hidden={"acceleration": WASHOUT, "specific_force": WASHOUT},
     memory=("yaw", "roll"),
+    prepare=lambda d, nodes, context: {"free_fall": context.gravity},
     **named(observe, commit),
 )
