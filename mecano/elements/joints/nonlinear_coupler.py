@@ -28,7 +28,7 @@ from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at
 from mecano.laws.table import curve_and_slope
-from mecano.laws.term import VALUE
+from mecano.laws.term import ARGUMENT, VALUE
 from mecano.maths.dual import number, value
 from mecano.schema import CURVE, NUMBER, Field, joint_with, positive
 
@@ -170,8 +170,8 @@ DECLARED = {
         Field("of_angle", joint_with("angle"), "-", "joint whose angle is c_2", None),
         Field("of_displacement", joint_with("displacement"), "-", "joint whose displacement is c_2", None),
         Field("function", CURVE, VALUE, "f, both c_1 and c_2 in SI units: rad, m"),
-        Field("start", NUMBER, "-", "argument of the function at the start, in rad or m", 0.0),
-        Field("period", NUMBER, "-", "period P of the function, in rad or m: 2*pi of gears; none when absent", None,
+        Field("start", NUMBER, ARGUMENT, "argument of the function at the start", 0.0),
+        Field("period", NUMBER, ARGUMENT, "period P of the function, such as 1 rev of gears; none when absent", None,
               positive),
     ),
     **named(prepare, check, sample),
