@@ -15,7 +15,7 @@ from process import COMMAND, mecano_process
 from scipy.integrate import solve_ivp
 
 import mecano
-from mecano.analyses.plugin_check import check_lanes
+from mecano.analyses.plugin_check import check_compilation
 from mecano.element_interface import Kind
 from mecano.errors import CompilationError
 from mecano.interface import plugins
@@ -92,6 +92,48 @@ def test_an_exception_has_the_line_of_the_plugin(folder, wrong, said):
     line = text[: text.index(wrong)].count("\n") + 1
     code, out, _ = call("check-kind", "my_drag.py")
     assert code == 2 and f"line {line}: " in out and said in out
+
+
+KEEL = """
+from mecano.element_interface import Kind, Output
+from mecano.jit.kernel import kernel
+from mecano.maths.vector import add_vec, dot, mat, vec
+from mecano.schema import NODE, NODE_VECTOR, VECTOR, Field
+
+@kernel
+def residual(p, at, f):
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
+    add_vec(f, 0, dot(axis, vec(at.v, 0)), axis)
+
+@kernel
+def observe(p, at, F, y, e):
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
+    y[0] = dot(axis, vec(at.v, 0))
+    e[2] = y[0] * y[0]
+
+KEEL = Kind(name="keel", section="loads", doc="Drag along an axis of a node.", layout=("x0", "R0"),
+    fields=(Field("node", NODE, "-", "node"), Field("axis", NODE_VECTOR, "-", "axis, in the axes of the node")),
+    outputs=(Output("drag", "N", "drag"),), residual=residual, observe=observe)
+"""
+
+
+@pytest.mark.parametrize("raw", ["at.R[0] @ vec(p.axis, 0)", "vec(at.R[0] @ p.axis, 0)"])
+def test_matrices_that_are_not_compiled_are_found(folder, raw):
+    """Python multiplies arrays as it does matrices, compiled code does not; the place is that in the plugin."""
+    (folder / "keel.py").write_text(KEEL.replace("mat(at.R[0]) @ vec(p.axis, 0)", raw))
+    code, out, _ = call("check-kind", "keel.py")
+    [reason] = re.findall(r"FAILED  Functions can be compiled\n +(.*)", out)
+    assert code == 2 and reason.endswith("are mat(at.R[0]) and vec(p.axis, 0), of mecano.maths.vector")
+    assert reason.startswith(f"{folder / 'keel.py'}:9: a kernel cannot be compiled: ")
+
+
+def test_an_error_of_the_compiler_does_not_chain_its_stages(tmp_path):
+    """A traceback of Python is as long as that of any other error of mecano."""
+    from numba import njit, types
+
+    with pytest.raises(CompilationError) as error, compilation_errors():
+        njit((types.float64,))(lambda x: x + "a")
+    assert error.value.__suppress_context__ and error.value.__cause__ is None
 
 
 def test_a_section_that_decks_lack_is_named(folder):
@@ -368,7 +410,7 @@ def test_a_branch_that_several_elements_cannot_share_is_found():
 
     kind = Kind(name="wall", doc="A wall.", layout=("x0",), by_lanes=True, force=force, observe=observe)
     with pytest.raises(AssertionError, match="branch on everywhere"):
-        check_lanes(kind)
+        check_compilation(kind)
 
 
 def test_an_unknown_field_of_a_record_is_named(tmp_path):

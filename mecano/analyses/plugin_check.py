@@ -4,6 +4,7 @@ from dataclasses import replace
 from traceback import walk_tb
 from typing import TYPE_CHECKING
 
+from mecano.analyses.kind_samples import samples
 from mecano.analyses.kind_tests import OF_DECK_KINDS
 from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
 from mecano.element_interface import Kind
@@ -13,7 +14,8 @@ from mecano.elements.wheels.transient_wheel import with_law as transient_wheel_w
 from mecano.elements.wheels.wheel import with_law as wheel_with_law
 from mecano.errors import CompilationError
 from mecano.jit.compilation_error import PLAIN_MATH
-from mecano.model.loop_code import BY_LANES, calls_of
+from mecano.jit.machine_code import address
+from mecano.model.loop_code import all_codes
 
 if TYPE_CHECKING:
     from mecano.elements.plugins import Plugin
@@ -40,8 +42,7 @@ def check_plugin(plugin: "Plugin") -> tuple[str, int]:
 def _tests(item):
     """Return the title and [(name, function)] of the tests of a Kind, a SlipLaw or a Term."""
     if isinstance(item, Kind):
-        compiled = (check_lanes,) if item.by_lanes else ()
-        return f"{item.name} (kind of '{item.section}')", _named((*OF_DECK_KINDS, *compiled), item)
+        return f"{item.name} (kind of '{item.section}')", _named((*OF_DECK_KINDS, check_compilation), item)
     if isinstance(item, SlipLaw):
         return f"{item.name} (slip law of tyres)", _named(OF_SLIP_LAWS, item) + _tests_of_wheels(item)
     return f"{item.name} (term of a law)", _named(OF_TERMS, item)
@@ -58,11 +59,12 @@ def _tests_of_wheels(law):
     return found
 
 
-def check_lanes(kind: Kind) -> None:
-    """Functions can be compiled for several elements at once."""
+def check_compilation(kind: Kind) -> None:
+    """Functions can be compiled."""
+    of_kinds = {id(instance.kind): instance.kind for sample in samples(kind) for instance in sample.instances}
     try:
-        for purpose in BY_LANES:
-            calls_of(kind, purpose)
+        for code in all_codes(of_kinds.values()):
+            address(code)
     except CompilationError as error:
         raise AssertionError(str(error)) from error
 

@@ -1,10 +1,12 @@
 """Errors of the compiler in the words of mecano."""
 
 import math
+import os
 import re
 from contextlib import contextmanager
 from traceback import walk_tb
 
+import numba
 from numba.core.errors import NumbaError
 from numba.core.types import Record
 
@@ -12,8 +14,10 @@ from mecano.errors import CompilationError
 
 COLOUR = re.compile("\x1b\\[[0-9;]*m")
 PLACE = re.compile(r"^During: .* at (\S+) \((\d+)\)$", re.MULTILINE)  # first the innermost one
+OF_NUMBA = os.path.dirname(numba.__file__) + os.sep
 CALLED = re.compile(r"^During: resolving callee type: .*<function (?:\S+\.)?(\w+) at", re.MULTILINE)  # the same
 STAGES = ("Failed in", "During:", "File ", "[", "<source")  # beginnings of lines that give no reason
+ADDRESS = re.compile(r" object at 0x\w+")
 PLAIN_MATH = (
     "functions of Python's math and the operator ** take plain numbers only, power(a, 3) any: "
     "write those of mecano.maths.dual"
@@ -25,16 +29,27 @@ REMEDIES = (  # (what the reason contains, what to write instead)
         "the condition differs between the elements that are computed at once: write select(condition, a, b), or "
         "branch on everywhere(condition) or anywhere(condition), of mecano.maths.dual",
     ),
+    (
+        re.compile(r"(?:matmul|dot|cross|add_vec|_impl)\(.*array\(|numba_xxgem"),
+        "at.R[0] and p.axis are arrays: their matrix and vector are mat(at.R[0]) and vec(p.axis, 0), of "
+        "mecano.maths.vector",
+    ),
 )
 
 
 @contextmanager
-def compilation_errors():
-    """Raise CompilationError with place and reason for an error of numba."""
+def compilation_errors(name=""):
+    """Raise CompilationError with place and reason for an error of numba, or for code that is no kernel.
+
+    ``name``: of the Code that is compiled. The error of numba, 150 lines of its stages, is not chained.
+    """
     try:
         yield
     except NumbaError as error:
-        raise CompilationError(_in_words(COLOUR.sub("", str(error)))) from error
+        raise CompilationError(_in_words(ADDRESS.sub("", COLOUR.sub("", str(error))))) from None
+    except SystemError as error:  # of compiler.py, with the symbol of the code
+        reason = str(error)[str(error).find("needs ") :]
+        raise CompilationError(f"the kernel '{name}' cannot be compiled: it {reason}{_remedy(reason)}") from None
     except KeyError as error:  # so numba says that a record has no such field
         if not (text := _unknown_field(error)):
             raise
@@ -63,8 +78,13 @@ def _in_words(text):
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     reasons = [line for line in lines if not line.startswith(STAGES)] or lines
     reason = " ".join(reasons[:2]) if reasons[0].endswith(":") else reasons[0]
-    place, used = PLACE.search(text), CALLED.search(text)
+    places = [found for found in PLACE.finditer(text) if not found[1].startswith(OF_NUMBA)]
+    place, used = (places or [None])[0], CALLED.search(text)
     if reason.startswith("NameError") and used:
         return f"the kernel '{used[1]}' cannot be compiled: {reason.removeprefix('NameError: ')}"
-    remedy = "".join(f"; {instead}" for pattern, instead in REMEDIES if pattern.search(reason))
-    return f"{f'{place[1]}:{place[2]}: ' if place else ''}a kernel cannot be compiled: {reason}{remedy}"
+    return f"{f'{place[1]}:{place[2]}: ' if place else ''}a kernel cannot be compiled: {reason}{_remedy(reason)}"
+
+
+def _remedy(reason):
+    """Return what to write instead, after a semicolon; "" if no remedy is known."""
+    return "".join(f"; {instead}" for pattern, instead in REMEDIES if pattern.search(reason))

@@ -66,7 +66,7 @@ def compile_code(code):
             compiler = imported_compiler()
             from mecano.jit.compilation_error import compilation_errors
 
-            with compilation_errors():
+            with compilation_errors(code.name):
                 symbol, machine_code = code.generate(compiler)
             found = symbol.encode() + b"\n" + machine_code
             store.write(code.file, found)
