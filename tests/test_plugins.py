@@ -117,6 +117,17 @@ KEEL = Kind(name="keel", section="loads", doc="Drag along an axis of a node.", l
 """
 
 
+def test_a_vector_in_the_axes_of_a_node_is_not_inertial(folder):
+    """With the type of an inertial vector it is turned with the model, once too often."""
+    for of_field, code in (("NODE_VECTOR, ", 0), ("VECTOR, ", 2)):
+        (folder / "keel.py").write_text(KEEL.replace('"axis", NODE_VECTOR, ', f'"axis", {of_field}'))
+        found, out, _ = call("check-kind", "keel.py")
+        assert found == code, out
+        assert ("'axis' is VECTOR, in inertial axes; NODE_VECTOR is a vector in the axes of the node" in out) == bool(
+            code
+        )
+
+
 @pytest.mark.parametrize("raw", ["at.R[0] @ vec(p.axis, 0)", "vec(at.R[0] @ p.axis, 0)"])
 def test_matrices_that_are_not_compiled_are_found(folder, raw):
     """Python multiplies arrays as it does matrices, compiled code does not; the place is that in the plugin."""

@@ -14,7 +14,7 @@ from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Field, Values
 
 def check_invariance(kind: Kind) -> None:
     """Forces rotate with the whole model, energies do not change."""
-    rng = seed_of("turn")
+    rng, hint = seed_of("turn"), _inertial_fields(kind)
     Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
     for sample in samples(kind):
         values = turned_values(kind.fields, sample.values, Q, shift)
@@ -31,13 +31,23 @@ def check_invariance(kind: Kind) -> None:
         for instances, motion in ((sample.instances, here), (twins, there)):
             forces.append(force_on_nodes(instances, motion))
             works.append(energies(instances, motion))
-        np.testing.assert_allclose(works[1][[0, 2, 3]], works[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
+        text = "energy and powers" + sample.in_phase + hint
+        np.testing.assert_allclose(works[1][[0, 2, 3]], works[0][[0, 2, 3]], rtol=1e-9, atol=1e-9, err_msg=text)
         expected, actual = forces
         expected[0] = expected[0] @ Q.T
         parts = "forces on the nodes", "moments on the nodes", "equations of the scalars", "size of the constraints"
         for one, other, part in zip(actual, expected, parts, strict=True):
             bound = 1e-9 * (1.0 + np.abs(other).max(initial=0.0))
-            np.testing.assert_allclose(one, other, rtol=1e-9, atol=bound, err_msg=part + sample.in_phase)
+            text = part + sample.in_phase + hint
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=bound, err_msg=text)
+
+
+def _inertial_fields(kind):
+    """Return a hint at the type of vectors of a kind that may be fixed in a node."""
+    names = ", ".join(f"'{field.name}'" for field in kind.fields if field.type == VECTOR)
+    if not names or not any(slot[0] == "R" for slot in kind.layout):
+        return ""
+    return f": {names} is VECTOR, in inertial axes; NODE_VECTOR is a vector in the axes of the node"
 
 
 def on_all_nodes(instances: Iterable[Instance], motion: Motion, Q: np.ndarray) -> np.ndarray:
