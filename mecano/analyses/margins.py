@@ -18,6 +18,7 @@ from mecano.analyses.response import (
     state_warnings,
     static_gains,
 )
+from mecano.analyses.samplers import samplers_of
 from mecano.analyses.source import source_of
 from mecano.errors import UsageError, name_list
 from mecano.process.interrupt import call_interruptibly
@@ -28,6 +29,7 @@ from mecano.solve.modal.late_feedback import growing_poles
 from mecano.solve.modal.loop_transfer import Crossover, crossovers, highest, in_loops, opened, sample
 from mecano.solve.modal.modes import poles_up_to
 from mecano.solve.modal.sampled_loop import SampledLoop
+from mecano.solve.modal.sampled_system import DiscreteLoop, SampledSystem, sampled_system
 
 if TYPE_CHECKING:
     import os
@@ -177,13 +179,10 @@ def _find(deck, request):
         poles = np.concatenate([call_interruptibly(poles_up_to, plant.lin, np.inf) for plant in (closed, loop)])
         request = call_interruptibly(request.around, TransferFunction(loop), poles)
     _refuse_without_loop(request, changed, system, closed, loop)
-    periods = {name: d["period"] for name, d in deck.values["signals"].items() if d["type"] == "sample_and_hold"}
-    found = call_interruptibly(_margins, closed, loop, request, one.signal, periods)
-    warnings = [
-        *state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, request),
-        *_averaged(one.signal, periods),
-    ]  # fmt: skip
-    return Margins(signal=request.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found[0])
+    samplers = samplers_of(deck, system)
+    found = call_interruptibly(_margins, closed, loop, request, one.signal, samplers)
+    warnings = [*state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, request)]
+    return Margins(signal=request.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found.numbers)
 
 
 def _refuse_without_loop(request, deck, system, closed, loop):
@@ -211,27 +210,54 @@ def _in_loops(deck, system: "System", closed: Plant) -> "Iterator[str]":
             yield name
 
 
-def _margins(closed, loop, request, signal, periods):
-    """Return (the fields of Margins that are numbers, backward error); ``periods`` [s] of the sampled signals."""
+class _Found(NamedTuple):
+    """The fields of Margins that are numbers, the backward error, and remarks about sampled signals."""
+
+    numbers: dict[str, Any]
+    error: float
+    remarks: list[str]
+
+
+def _margins(closed, loop, request, signal, samplers):
+    """Return what is _Found of a loop opened at a signal; ``samplers``: those of the closed loop, by signal."""
     H, base, half = TransferFunction(loop), request.grid, np.nan
-    transfer: TransferFunction | SampledLoop = H
-    if signal in periods:
-        transfer, base = SampledLoop(H, periods[signal], not _late_besides(closed)), _below(request, periods[signal])
-        half = float(transfer(1j * np.pi / periods[signal])[0, 0].real)
+    whole = _sampled(closed, samplers)
+    transfer, poles = _transfer(H, closed, signal, samplers, whole)
+    if signal in samplers:
+        base, half = _below(request, transfer.period), float(transfer(1j * np.pi / transfer.period)[0, 0].real)
     L = Sampled(lambda omega: transfer(1j * omega))
     own = poles_up_to(closed.lin, BEYOND * base[-1])
-    S = sample(L, base, [*own, *poles_up_to(loop.lin, BEYOND * base[-1])])
-    static = float(static_gains(transfer, base[0])[0, 0])
+    S = sample(L, base, [*own, *poles_up_to(loop.lin, BEYOND * base[-1]), *poles])
+    static = float(static_gains(H, base[0])[0, 0])
     found = crossovers(L, static)
-    if signal in periods:
-        found = list(_with_half(found, 0.5 / periods[signal], half))
+    if signal in samplers:
+        found = list(_with_half(found, 0.5 / transfer.period, half))
     omegas, values = L.values
     numbers = {
         "frequency": omegas / (2.0 * np.pi), "values": values[:, 0, 0], "static": static, "crossovers": found,
         "sensitivity": Margin(*highest(S, () if closed.late else own)),
-        "growing": _growing(closed, loop, transfer, base, periods),
+        "growing": _growing(closed, loop, transfer, base, samplers, whole),
     }  # fmt: skip
-    return numbers, H.error
+    return _Found(numbers, H.error, list(_averaged(signal, samplers, transfer, whole)))
+
+
+def _sampled(closed, samplers):
+    """Return the SampledSystem of a closed loop, or why there is none; "" without samplers."""
+    if not samplers:
+        return ""
+    if len(closed.late) > len(samplers):
+        return "there are delays besides"
+    return sampled_system(closed.lin, list(samplers.values()))
+
+
+def _transfer(H, closed, signal, samplers, whole):
+    """Return (the loop transfer function L of a signal, poles [1/s] around which it is to be sampled)."""
+    if signal not in samplers:
+        return H, ()
+    if isinstance(whole, SampledSystem) and np.isclose(whole.period, samplers[signal].period, rtol=1e-9):
+        transfer = whole.loop(list(samplers).index(signal))
+        return transfer, [pole for pole in (*transfer.poles, *whole.poles()) if pole.imag > 0.0]
+    return SampledLoop(H, samplers[signal].period, not _late_besides(closed)), ()
 
 
 def _late_besides(closed):
@@ -261,29 +287,45 @@ def _below(request, period):
     return replace(request, high=min(request.high, CLOSE * half)).grid
 
 
-def _growing(closed, loop, transfer, base, periods):
+def _growing(closed, loop, transfer, base, samplers, whole):
     """Return the number of growing poles of the closed loop, or None; of a sampled one, those of its samples."""
-    if not periods:
+    if not samplers:
         return growing_poles(closed, base[0], base[-1])
-    if len(periods) > 1 or isinstance(transfer, TransferFunction):
+    if isinstance(whole, SampledSystem):
+        return _number_of(whole.growing(), whole)
+    if len(samplers) > 1 or isinstance(transfer, TransferFunction):
         return None
     open_poles, turns = growing_poles(loop, base[0], base[-1]), transfer.turns(base[0])
     return None if open_poles is None or turns is None else open_poles + turns
 
 
-def _averaged(signal, periods) -> "Iterator[str]":
-    """Yield a warning about sampled signals that are not that at which the loop is opened."""
-    for name, period in periods.items():
-        if name != signal:
+def _number_of(growing, whole):
+    """Return the number of these poles, of conjugate pairs two; None if all grow more slowly than the equations change.
+
+    At half the sampling frequency a pole is real.
+    """
+    faster = growing[growing.real > whole.pace]
+    if len(growing) and not len(faster):
+        return None
+    return int(np.sum(1 + ((faster.imag > 0.0) & (faster.imag < CLOSE * np.pi / whole.period))))
+
+
+def _averaged(signal, samplers, transfer, whole) -> "Iterator[str]":
+    """Yield warnings about samplers that are not counted as such."""
+    if samplers and not isinstance(whole, SampledSystem) and (len(samplers) > 1 or signal not in samplers):
+        yield f"the stability of the samples is not determined: {whole}"
+    for name, one in samplers.items():
+        if name != signal and not isinstance(transfer, DiscreteLoop):
             yield (
                 f"'{name}' is sampled: the loop is that of its mean over a period, right well below half the sampling "
-                f"frequency, {0.5 / period:g} Hz; open it at '{name}' for the margins of its samples"
+                f"frequency, {0.5 / one.period:g} Hz; open it at '{name}' for the margins of its samples"
             )
 
 
 def _unsure(found, request) -> "Iterator[str]":
     """Yield warnings about margins that do not say how far the loop is from instability."""
-    numbers, error = found
+    numbers, error, remarks = found
+    yield from remarks
     if numbers["growing"]:
         yield (
             "the closed loop is unstable already: the margins tell where poles cross the imaginary axis, not how far "

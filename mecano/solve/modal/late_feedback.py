@@ -37,7 +37,7 @@ def growing_poles(plant: Plant, low: float, high: float) -> int | None:
 
     ``low``, ``high`` [rad/s]: range of frequencies of interest, beyond which the contour reaches.
     """
-    lin = _without_late(plant)
+    lin = without_late(plant)
     large = lin.n_q > DENSE
     values = solve(lin, NEAREST if large else 1, "sparse" if large else "dense").values
     growing = [value for value in values if unstable(value)]
@@ -51,7 +51,7 @@ def growing_poles(plant: Plant, low: float, high: float) -> int | None:
     return None if turns is None else number + turns
 
 
-def _without_late(plant: Plant) -> "Linearization":
+def without_late(plant: Plant) -> "Linearization":
     """Return the Linearization in which the signals that read earlier values are constant."""
     late = {(row, column) for row, column, _ in plant.late}
     parts = []

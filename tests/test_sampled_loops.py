@@ -1,0 +1,101 @@
+"""Stability and loop transfer of several sampled signals, against their difference equations."""
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+from time_runs import deck
+
+from mecano.analyses.margins import LoopRequest, margins
+
+M, K, C = np.diag([2.0, 3.0]), np.array([[80.0, -30.0], [-30.0, 30.0]]), np.array([[5.0, -2.0], [-2.0, 2.0]])
+GAINS = np.array([[40.0, 0.0, 15.0, 0.0], [0.0, 60.0, 0.0, 20.0]])  # of displacements, then velocities
+
+
+def two_carts(periods=(0.05, 0.05), gain=1.0):
+    """Two carts in a row, each with its sampled controller."""
+    laws = [f"{gain}*({-p}*rail_{i}.displacement - {d}*rail_{i}.velocity)" for i, p, d in ((1, 40, 15), (2, 60, 20))]
+    return f"""
+mecano: 1
+gravity: none
+nodes:
+  wall: {{position: [-1, 0, 0], fixed: true}}
+  cart_1: {{position: [0, 0, 0]}}
+  cart_2: {{position: [1, 0, 0]}}
+elements:
+  mass_1: {{type: point_mass, node: cart_1, mass: 2}}
+  mass_2: {{type: point_mass, node: cart_2, mass: 3}}
+  spring_1: {{type: spring_damper, nodes: [wall, cart_1], law: {{spring: 50, damper: 3}}}}
+  spring_2: {{type: spring_damper, nodes: [cart_1, cart_2], law: {{spring: 30, damper: 2}}}}
+joints:
+  rail_1: {{type: prismatic, nodes: [ground, cart_1], axis: [1, 0, 0]}}
+  rail_2: {{type: prismatic, nodes: [ground, cart_2], axis: [1, 0, 0]}}
+signals:
+  held_1: {{type: sample_and_hold, input: "{laws[0]}", period: {periods[0]!r}}}
+  held_2: {{type: sample_and_hold, input: "{laws[1]}", period: {periods[1]!r}}}
+loads:
+  motor_1: {{type: joint_force, joint: rail_1, value: held_1}}
+  motor_2: {{type: joint_force, joint: rail_2, value: held_2}}
+time: {{end: 1, step: 1.0e-3}}
+"""
+
+
+def difference_equations(h):
+    """Return A (4, 4), B (4, 2) of the carts with forces that are constant over ``h``."""
+    inverse, none = np.linalg.inv(M), np.zeros((2, 2))
+    A, B = np.block([[none, np.eye(2)], [-inverse @ K, -inverse @ C]]), np.vstack([none, inverse])
+    return cont2discrete((A, B, np.eye(4), np.zeros((4, 2))), h)[:2]
+
+
+def loop(model, signal="held_1"):
+    return margins(deck(model), None, LoopRequest(signal=signal, low=0.1, high=9.9))[1]
+
+
+@pytest.mark.parametrize("opened", [0, 1])
+def test_two_samplers_of_one_period(opened):
+    """L has the other sampler closed: opened at one, u = e v - (I - e e^T) G x of the equations by SciPy."""
+    found = loop(two_carts(), f"held_{opened + 1}")
+    A, B = difference_equations(0.05)
+    other = 1 - opened
+    Phi = A - B[:, [other]] @ GAINS[[other]]
+    z = np.exp(2j * np.pi * 0.05 * found.frequency)[:, None, None]
+    x = np.linalg.solve(z * np.eye(4) - Phi, np.broadcast_to(B[:, [opened]], (len(z), 4, 1)))
+    assert np.abs(found.values / (GAINS[opened] @ x)[:, 0] - 1.0).max() < 1e-9
+    assert found.growing == 0 and not found.warnings
+    limit = found.gain
+    values = np.linalg.eigvals(Phi - limit.value * B[:, [opened]] @ GAINS[[opened]])
+    assert np.abs(values - np.exp(2j * np.pi * 0.05 * limit.frequency)).min() < 1e-6
+
+
+@pytest.mark.parametrize("signal", ["held_1", "held_2", "motor_2.value"])
+@pytest.mark.parametrize("gain", [3.0, 5.5, 12.0])
+def test_growing_poles_of_two_samplers(signal, gain):
+    A, B = difference_equations(0.05)
+    growing = np.sum(np.abs(np.linalg.eigvals(A - gain * B @ GAINS)) > 1.0)
+    assert growing == {3.0: 0, 5.5: 1, 12.0: 2}[gain]
+    assert loop(two_carts(gain=gain), signal).growing == growing
+
+
+@pytest.mark.parametrize("gain", [1.0, 4.0, 8.0])
+def test_samplers_of_different_periods(gain):
+    """Over 0.1 s, the first one samples five times, the second one twice: a chain of intervals of SciPy's equations."""
+    times = sorted({round(0.02 * i, 9) for i in range(5)} | {0.0, 0.05})
+    found = np.eye(6)
+    for t, end in zip(times, [*times[1:], 0.1], strict=True):
+        sample, flow = np.eye(6), np.eye(6)
+        for k, period in enumerate((0.02, 0.05)):
+            if abs(t / period - round(t / period)) < 1e-9:
+                sample[4 + k] = [*-gain * GAINS[k], 0.0, 0.0]
+        flow[:4, :4], flow[:4, 4:] = difference_equations(end - t)
+        found = flow @ sample @ found
+    growing = np.sum(np.abs(np.linalg.eigvals(found)) > 1.0)
+    assert growing == {1.0: 0, 4.0: 0, 8.0: 1}[gain]
+    opened = loop(two_carts((0.02, 0.05), gain), "motor_1.value")
+    assert opened.growing == growing
+    assert len([text for text in opened.warnings if "is sampled: the loop is that of its mean" in text]) == 2
+
+
+def test_periods_without_common_multiple_leave_stability_open():
+    found = loop(two_carts((0.02, 0.0314159265)), "motor_1.value")
+    assert found.growing is None
+    message = "the sampling periods 0.02 s, 0.0314159 s have no common multiple within 1000 samples"
+    assert [text for text in found.warnings if message in text]
