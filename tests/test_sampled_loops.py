@@ -5,7 +5,9 @@ import pytest
 from scipy.signal import cont2discrete
 from time_runs import deck
 
+from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.margins import LoopRequest, margins
+from mecano.analyses.prepare import integrator_of, prepare
 
 M, K, C = np.diag([2.0, 3.0]), np.array([[80.0, -30.0], [-30.0, 30.0]]), np.array([[5.0, -2.0], [-2.0, 2.0]])
 GAINS = np.array([[40.0, 0.0, 15.0, 0.0], [0.0, 60.0, 0.0, 20.0]])  # of displacements, then velocities
@@ -99,3 +101,32 @@ def test_periods_without_common_multiple_leave_stability_open():
     assert found.growing is None
     message = "the sampling periods 0.02 s, 0.0314159 s have no common multiple within 1000 samples"
     assert [text for text in found.warnings if message in text]
+
+
+@pytest.mark.parametrize(("share", "grows"), [(1.9, False), (2.2, True)])
+def test_a_run_warns_of_samples_that_make_a_mechanism_unstable(share, grows):
+    """Rates of two wheels fed back every period T: each has the pole z = 1 - k T/J, beyond -1 for k T/J > 2."""
+    text = f"""
+mecano: 1
+gravity: none
+nodes: {{one: {{position: [0, 0, 0]}}, two: {{position: [1, 0, 0]}}}}
+elements:
+  wheel_one: {{type: rigid_body, node: one, mass: 1, inertia: [0.4, 0.4, 0.4]}}
+  wheel_two: {{type: rigid_body, node: two, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+joints:
+  pin_one: {{type: hinge, nodes: [ground, one], axis: [0, 1, 0]}}
+  pin_two: {{type: hinge, nodes: [ground, two], axis: [0, 1, 0]}}
+signals:
+  held_one: {{type: sample_and_hold, input: -{share * 0.4 / 0.01!r}*pin_one.rate, period: 10 ms}}
+  held_two: {{type: sample_and_hold, input: -{1.0 * 0.1 / 0.01!r}*pin_two.rate, period: 10 ms}}
+loads:
+  push_one: {{type: joint_moment, joint: pin_one, value: held_one}}
+  push_two: {{type: joint_moment, joint: pin_two, value: held_two}}
+time: {{end: 2, step: 1.0e-3}}
+"""
+    prepared = prepare(deck(text))
+    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 1e-3)))
+    assert len(found) == grows
+    for warning in found:
+        assert f"by the factor e in {0.01 / np.log(share - 1.0):.3g} s, as an oscillation of 50 Hz" in warning
+        assert "their samples, every 0.01 s, make it grow" in warning

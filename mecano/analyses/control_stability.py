@@ -14,11 +14,13 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
     from mecano.solve.modal.linearize import Linearization
+    from mecano.solve.modal.sampled_system import Sampler
     from mecano.solve.time.run_state import RunState
 
 DENSE = 100  # motions up to which all modes are computed before a run
 MOST, NEAREST = 5000, 20  # motions of larger models, of which the modes nearest to zero are computed; their number
 ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
+SAMPLED = 200  # motions up to which samples are examined
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
 
@@ -28,29 +30,66 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     Not reported are motions that grow by less than a factor of GROWTH in the run, those of models with more than MOST
     motions, fast ones of models with more than DENSE motions, and motions about a moving state if no signal has a
     state, such as those of bodies that attract one another. Nor are motions slow beside the accelerations of the start,
-    which turn axes and reactions while such motions would grow. Values of delays and of sampled signals count as
-    constant.
+    which turn axes and reactions while such motions would grow. Values of delays count as constant, and those of
+    sampled signals where a model has delays, more than SAMPLED motions, or periods without a common multiple.
     """
     system, time = prepared.system, prepared.deck.values["time"]
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
-    if not system.signals.any() or system.n_q > MOST or (moving and not system.states.any()):
+    if not system.signals.any() or system.n_q > MOST:
         return
-    if not _may_destabilize(system, start.motion):
+    samplers = _samplers(prepared)
+    if not samplers and ((moving and not system.states.any()) or not _may_destabilize(system, start.motion)):
         return
     from mecano.solve.modal.linearize import linearize  # takes 0.1 s to import, with SciPy
 
     lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
     if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
         return
-    fastest = _largest_growth(lin)
+    fastest, period = _closed_growth(lin, samplers)
     grows = (fastest.real - max(_largest_growth(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
     lasts = abs(fastest) ** 2 > _turning(prepared, start)
     if fastest.real > lin.pace and grows > math.log(GROWTH) and lasts:
-        as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
-        yield (
-            f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
-            f"{as_what}: is a gain too large, or its sign wrong? `mecano modes` describes this motion"
+        yield _grows(fastest, period)
+
+
+def _grows(fastest: complex, period: float | None) -> str:
+    """Return the warning of a growing eigenvalue; ``period`` [s]: that of the samples, if they make it grow."""
+    as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
+    question = "is a gain too large, or its sign wrong? `mecano modes` describes this motion"
+    if period is not None:
+        question = (
+            f"their samples, every {period:.3g} s, make it grow: is a gain too large, or the period too long? "
+            "`mecano margins --open-loop NAME` tells by how much"
         )
+    return (
+        f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
+        f"{as_what}: {question}"
+    )
+
+
+def _samplers(prepared: "Prepared") -> "list[Sampler]":
+    """Return the samplers of a model whose samples are examined, or none."""
+    signals = prepared.deck.values["signals"].values()
+    kinds = {d["type"] for d in signals}
+    if "sample_and_hold" not in kinds or "delay" in kinds or prepared.system.n_q > SAMPLED:
+        return []
+    from mecano.analyses.samplers import samplers_of
+
+    return list(samplers_of(prepared.deck, prepared.system).values())
+
+
+def _closed_growth(lin: "Linearization", samplers: "list[Sampler]") -> tuple[complex, float | None]:
+    """Return the eigenvalue with the largest real part: (that of the samples, their least period [s]), if it is known.
+
+    Otherwise (that with constant held values, None).
+    """
+    if samplers:
+        from mecano.solve.modal.sampled_system import sampled_system
+
+        whole = sampled_system(lin, samplers)
+        if not isinstance(whole, str):
+            return max(whole.growing(), key=lambda s: s.real, default=0j), min(one.period for one in samplers)
+    return _largest_growth(lin), None
 
 
 def _may_destabilize(system: "System", s: "State") -> bool:
