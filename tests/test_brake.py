@@ -57,7 +57,7 @@ def test_a_brake_bound_by_the_load_of_its_tire_does_not_skid():
     np.testing.assert_allclose(speed[later], expected, rtol=1e-6)
     assert np.abs(recorded["elements/tire/longitudinal_slip"][later]).max() < 0.05
     bound = recorded["loads/brake/bound"]
-    np.testing.assert_allclose(bound[-1], 0.72 * math.exp(-0.02 * expected[-1]) * MASS * GRAVITY * 0.3, rtol=1e-4)
+    np.testing.assert_allclose(bound[-1], 0.72 * math.exp(-0.02 * expected[-1]) * MASS * GRAVITY * 0.3, rtol=1e-8)
 
 
 def test_the_same_torque_without_a_bound_locks_the_wheel():

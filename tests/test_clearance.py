@@ -160,6 +160,6 @@ def test_a_geneva_drive_turns_its_wheel_by_a_quarter():
     names = [(record.element.split("'")[1], record.name) for record in recorded.event_records]
     assert names == [("aft", "closes"), ("aft", "opens"), ("fore", "closes"), ("fore", "opens")]
     fastest = np.argmax(-recorded["joints/axle/rate"])
-    assert recorded["joints/axle/rate"][fastest] == pytest.approx(-TURNING / (np.sqrt(2.0) - 1.0), rel=1e-4)
+    assert recorded["joints/axle/rate"][fastest] == pytest.approx(-TURNING / (np.sqrt(2.0) - 1.0), rel=1e-6)
     assert recorded.event_records[1].t == pytest.approx(-BEGINS / TURNING, abs=1e-4)
     assert recorded["joints/axle/angle"][-1] == pytest.approx(-np.pi / 2.0, abs=1e-3)

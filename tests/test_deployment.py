@@ -33,7 +33,7 @@ def test_margin_is_torque_over_weight(panel):
     assert angle[0] < 0.03 and angle[-1] > 1.5
     motor, resisting = (curve.y.values for curve in torque.curves)
     np.testing.assert_allclose(motor, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
-    np.testing.assert_allclose(resisting, 0.5 * np.cos(angle), rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting, 0.5 * np.cos(angle), rtol=0, atol=5e-4)
     wide = angle < 1.3
     np.testing.assert_allclose(margin.curves[0].y.values[wide], (motor / (0.5 * np.cos(angle)))[wide], rtol=0.01)
     assert margin.curves[0].y.unit == "-"
@@ -53,7 +53,7 @@ def test_friction_and_dampers_of_motors_resist(tmp_path):
     motor, resisting = (c.y for c in deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels[0].curves)
     angle = deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels[0].curves[0].x.values
     np.testing.assert_allclose(motor.values, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
-    np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=1e-4)
 
 
 def test_other_actuators_leave_no_margin(tmp_path):
@@ -64,7 +64,7 @@ def test_other_actuators_leave_no_margin(tmp_path):
         run(input_deck("panel_lock", load, "output.every=1e-3"), path)
         panels = deployment_sheet(open_runs([path])).panels
         assert bool(panels) == (moment < 0.0)
-    np.testing.assert_allclose(panels[0].curves[1].y.values[1:], 0.2, rtol=0, atol=5e-3)
+    np.testing.assert_allclose(panels[0].curves[1].y.values[1:], 0.2, rtol=0, atol=1e-4)
 
 
 def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_end():

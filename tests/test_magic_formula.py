@@ -128,7 +128,7 @@ def test_stiffnesses_are_the_slopes_of_the_formula():
         K_x, K_y = slip_stiffness(defaults, load)
         h, p = 1e-6, CAR["INFLPRES"]
         ahead, aside = forces(numbers, load, h, 0.0, 0.0, 20.0, p), forces(numbers, load, 0.0, h, 0.0, 20.0, p)
-        assert ahead[0] / h == pytest.approx(K_x, rel=1e-4) and -aside[1] / h == pytest.approx(K_y, rel=1e-4)
+        assert ahead[0] / h == pytest.approx(K_x, rel=1e-6) and -aside[1] / h == pytest.approx(K_y, rel=1e-6)
         dp = CAR["INFLPRES"] / CAR["NOMPRES"] - 1.0
         lengths = relaxation_lengths(defaults, load)
         assert lengths[1] == pytest.approx(K_y / (CAR["LATERAL_STIFFNESS"] * (1.0 + CAR["PCFY3"] * dp)), rel=1e-12)
@@ -344,8 +344,8 @@ def test_a_tyre_on_the_spot_has_the_moment_of_the_file():
             dp, df = car.p[0].pressure / numbers["NOMPRES"] - 1.0, load / 4e3 - 1.0
             mu = (numbers["PDY1"] + numbers["PDY2"] * df) * (1 + numbers["PPY3"] * dp + numbers["PPY4"] * dp**2)
             most = 0.2 * mu * 0.32 * load * math.sqrt(load / 4e3)
-            assert k.M[2] == pytest.approx(-math.copysign(most, W), rel=2e-3)
-            assert k.lost == pytest.approx(most * abs(W), rel=2e-3)
+            assert k.M[2] == pytest.approx(-math.copysign(most, W), rel=1e-8)
+            assert k.lost == pytest.approx(most * abs(W), rel=1e-8)
             assert np.abs([k.F[0], k.F[1], k.M[1]]).max() < 1e-3 * load
 
 
