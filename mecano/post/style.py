@@ -62,7 +62,7 @@ FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 
 def shown_unit(unit: str, values: np.ndarray) -> tuple[float, str]:
     """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, µm below 0.1 mm, and so on."""
-    unit = "" if unit == "-" else unit
+    unit = "" if unit in ("-", "1") else unit
     size = largest(values)
     for prefix in reversed(LARGE.get(unit, "")):
         if size >= 2.0 * FACTORS[prefix]:
