@@ -486,11 +486,13 @@ class TestCheckAndModes:
 
     def test_errors_of_responses_speak_of_frequencies_and_names(self, folder):
         motor = {"loads": {"motor": {"type": "joint_moment", "joint": "hinge", "value": 0}}}
+        motor["grounds"] = {"road": {"plane": {"point": [0, 0, -9], "normal": [0, 0, 1]}}}
         channels = {"inputs": "motor.value", "outputs": "hinge.angle", "low": 0.1, "high": 10.0}
         for wrong, message in (
             ({"high": 0.01}, "the highest frequency, 0.01 Hz, is less than the lowest, 0.1 Hz"),
             ({"inputs": []}, "no input is given: name one or more"),
             ({"inputs": "moter.value"}, "there is no input moter.value; did you mean motor.value"),
+            ({"inputs": "road.profile"}, "input road.profile: a ground does not move; stand wheels on plates"),
             ({"outputs": "hinge.angel"}, "output hinge.angel: .*; did you mean angle"),
         ):
             with pytest.raises(UsageError, match=message):

@@ -98,6 +98,11 @@ def _law_as_signal(deck, name, signal, channel):
     known = {".".join(path[1:]): (path, field, value) for path, field, value in _functions_of_time(deck)}
     known |= {".".join(path): one for path, *_ in known.values() for one in [known[".".join(path[1:])]]}
     if name not in known:
+        if name.removeprefix("grounds.").partition(".")[0] in deck.values["grounds"]:
+            raise UsageError(
+                f"{channel} {name}: a ground does not move; stand wheels on plates (wheel_on_body), prescribe the "
+                "heights of these by signals (prescribed_position), and give the signals as inputs"
+            )
         raise unknown(channel, name, [*deck.values["signals"], *known], _no_inputs_hint(deck, known))
     path, declared, value = known[name]
     if declared.type == MOTION:
