@@ -28,6 +28,8 @@ ROUNDED = 1e-12  # of the same: inertia and damping forces that are rounding err
 OF_ENTRIES = 1e-16  # of the largest stiffness: rounding error of its entry
 EIGENVALUES = 1e-14  # of the largest squared eigenvalue: rounding error of all eigenvalues of a dense matrix
 LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE times it is rounding error
+PERTURBED = 1e-7  # of the largest eigenvalue: rounding of zeros in a Jordan chain, the root of that of others
+TWINS = 0.1  # relative difference of the moduli of both eigenvalues of such a chain
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
@@ -180,21 +182,43 @@ def _normal(shape):
     return shape / largest if largest else shape
 
 
-def _with_free(scaled, values, shapes, free):
+def _with_free(scaled, values, shapes, further):
     """Return the pairs, with those without stiffness replaced by a basis of their space with eigenvalue zero.
 
-    ``free`` (m, n_q) are further shapes of this space: eigenvectors of a zero that rounding perturbs may be too few.
+    ``further`` (m, n_q) are shapes of this space: eigenvectors of a zero that rounding perturbs may be too few. As many
+    pairs as these add motions are perturbed zeros, and are left out.
     """
-    values, shapes = np.concatenate([np.zeros(len(free)), values]), np.concatenate([free, shapes])
     largest = np.abs(values).max(initial=0.0)
     still = np.array([_is_free(scaled, value, y, largest) for value, y in zip(values, shapes, strict=True)], bool)
-    if not still.any():
+    if not still.any() and not len(further):
         return values, shapes
-    basis = np.array([part for y in shapes[still] for part in (y.real, y.imag)]).T
-    U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), TINY), full_matrices=False)
-    free = separated_basis(U[:, sigma > 1e-3 * sigma[0]].T)
-    moving = ~still
-    return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
+    free = _span(np.concatenate([shapes[still], further]))
+    left = ~still
+    left[_perturbed(values, shapes, free, left, len(free) - len(_span(shapes[still])))] = False
+    return np.concatenate([np.zeros(len(free)), values[left]]), np.concatenate([separated_basis(free), shapes[left]])
+
+
+def _span(shapes):
+    """Return an orthonormal real basis (m, n_q) of the span of shapes and their conjugates."""
+    if not len(shapes):
+        return np.zeros(shapes.shape)
+    parts = np.array([part for y in shapes for part in (y.real, y.imag)]).T
+    U, sigma, _ = np.linalg.svd(parts / np.maximum(np.linalg.norm(parts, axis=0), TINY), full_matrices=False)
+    return U[:, sigma > 1e-3 * sigma[0]].T
+
+
+def _perturbed(values, shapes, free, left, missing):
+    """Return the indices of pairs ``left`` (m,) bool that are zeros perturbed by rounding, of ``missing`` moduli.
+
+    Their shapes are in the span of the ``free`` motions (k, n_q).
+    """
+    outside = np.linalg.norm(shapes - (shapes @ free.T) @ free, axis=1)
+    inside = outside <= CONVERGED * np.linalg.norm(shapes, axis=1)
+    sizes = np.abs(values)
+    slow = np.flatnonzero(left & inside & (sizes <= PERTURBED * sizes.max(initial=0.0)))
+    slow = slow[np.argsort(sizes[slow], kind="stable")]
+    moduli = np.cumsum(np.diff(sizes[slow], prepend=-1.0) > TWINS * sizes[slow])
+    return slow[moduli <= missing]
 
 
 def _strained(scaled, shapes):
