@@ -78,8 +78,9 @@ def post(
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
     --animate writes one self-contained page for a browser: the motion of one file in space, with a time slider, colours
-    by stress or force, and next to it the requested plots, or the first of the overview. --report writes one page on
-    the run: model, solution, energies, events, pictures (requested ones first), extremes, the deck.
+    by stress or force, and next to it the requested plots, or the first of the overview; a file of modes is played mode
+    after mode. --report writes one page on the run: model, solution, energies, events, pictures (requested ones first),
+    extremes, the deck.
 
     Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
     """

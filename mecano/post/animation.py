@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +26,8 @@ from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets
 from mecano.post.verdict import is_sound, verdict
+from mecano.results import modes_file
+from mecano.results.opening import format_of
 from mecano.results.whole_file import atomic_file, make_folder
 
 if TYPE_CHECKING:
@@ -47,8 +50,8 @@ def animate(
 ) -> Path:
     """Write an animation of the results file ``path`` as a ``page``, or as a film by its extension; return the Path.
 
-    ``plots``: texts as for ``mecano post --plot``, over time; by default the first panels of the overview. Films have
-    no plots.
+    A file of modes is played mode after mode, each for two cycles. ``plots``: texts as for ``mecano post --plot``, over
+    time; by default the first panels of the overview. Films and modes have no plots.
 
     Raises
     ------
@@ -58,6 +61,8 @@ def animate(
         The file cannot be read or contains nothing that moves, or the page cannot be written.
     """
     page = Path(page)
+    if format_of(path) == modes_file.FORMAT:
+        return _animate_modes(path, page, plots, title)
     if page.suffix in FILMS:
         from mecano.post.film import film  # imports matplotlib, which pages do not need
 
@@ -72,6 +77,17 @@ def animate(
     with atomic_file(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
+
+
+def _animate_modes(path, page, plots, title):
+    from mecano.post.mode_motion import write_motions  # imports matplotlib, which other pages do not need
+
+    if plots:
+        raise UsageError(f"--animate {page}: {path} is a file of modes, which has no plots over time")
+    with TemporaryDirectory() as folder:
+        motions = Path(folder) / "modes.h5"
+        write_motions(modes_file.read_modes(path), motions)
+        return animate(motions, page, (), title)
 
 
 def page_data(run: Run, plots: Sequence[str] = (), title: str | None = None) -> dict[str, Any]:

@@ -88,16 +88,28 @@ def mode_sketches(file: ModesFile) -> list[Sketch]:
     return [_sketch(run, file, mode) for mode in range(len(file.values))]
 
 
-def _sketch(run, file, mode):
-    """Return the Sketch of a mode in the plane of largest motion and extent."""
+def amplitude_of(file: ModesFile, mode: int) -> float:
+    """Return the factor of a shape by which its largest displacement is AMPLITUDE of the size of the mechanism."""
+    positions, moves = _places_and_moves(file, mode)
+    size = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
+    largest = float(np.abs(moves).max(initial=0.0))
+    return AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE
+
+
+def _places_and_moves(file, mode):
+    """Return the positions (n, 3) of all nodes, those inside superelements included, and their shape (n, 3)."""
     inner = file.inner.values()
     positions = np.concatenate([[node["position"] for node in file.nodes.values()], *(n["position"] for n in inner)])
     moves = np.concatenate(
         [[node["translation"][mode] for node in file.nodes.values()], *(n["translation"][mode] for n in inner)]
     )
-    size = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
-    largest = float(np.abs(moves).max(initial=0.0))
-    amplitude = AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE
+    return positions, moves
+
+
+def _sketch(run, file, mode):
+    """Return the Sketch of a mode in the plane of largest motion and extent."""
+    positions, moves = _places_and_moves(file, mode)
+    amplitude = amplitude_of(file, mode)
     extent = np.ptp(positions, axis=0) + MOTION_COUNTS * amplitude * np.abs(moves).max(axis=0)
     first, second = sorted(np.argsort(-extent, kind="stable")[:2])
     drawn = tuple(shapes(ModeMotion(run, file, mode, amplitude)))
@@ -105,7 +117,7 @@ def _sketch(run, file, mode):
 
 
 def _title(file, mode):
-    return _named(file, mode) + ("" if file.converged[mode] else ", not converged") + _turning(file, mode)
+    return named_mode(file, mode) + ("" if file.converged[mode] else ", not converged") + _turning(file, mode)
 
 
 def _turning(file, mode):
@@ -119,7 +131,8 @@ def _turning(file, mode):
     return f", {max(turns, key=lambda name: turns[name])} turns"
 
 
-def _named(file, mode):
+def named_mode(file: ModesFile, mode: int) -> str:
+    """Return the number of a mode with its frequency and damping, or its kind, as text."""
     numbers = file.numbers
     if file.kinds[mode] == "free":
         return f"mode {mode + 1}: free"
