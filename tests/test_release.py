@@ -48,7 +48,7 @@ def test_a_hinge_is_released_by_a_condition(verify, recorded):
 
 def test_energy_passes_a_release(recorded):
     drift = [np.ptp(m["energy/balance"]) for m in recorded]
-    assert drift[0] / drift[1] == pytest.approx(4.0, abs=0.3) and drift[1] < 1.5e-4
+    assert drift[0] / drift[1] == pytest.approx(4.0, abs=0.05) and drift[1] < 1.5e-4
 
 
 BAD = """

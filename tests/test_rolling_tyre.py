@@ -88,7 +88,7 @@ def test_the_spin_up_ends_at_the_effective_radius(kind):
     np.testing.assert_allclose(spin[early], rate * time[early], rtol=1e-6, atol=1e-9)
     assert spin[-1] == pytest.approx(6.0 / r_e, rel=1e-6)
     assert abs(recorded["elements/tire/longitudinal_slip"][-1]) < 1e-6
-    assert recorded["energy/dissipated"][-1] == pytest.approx(0.5 * 2.0 * (6.0 / r_e) ** 2, rel=2e-3)
+    assert recorded["energy/dissipated"][-1] == pytest.approx(0.5 * 2.0 * (6.0 / r_e) ** 2, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ def test_momentum_is_the_impulse_of_ground_and_lift(landing):
 def test_spin_is_the_impulse_of_drag(landing):
     moment = -landing["elements/left_wheel/longitudinal_force"] * landing["elements/left_wheel/loaded_radius"]
     assert 3.5 * landing["elements/left_wheel/spin_rate"][-1] == pytest.approx(
-        trapezoid(moment, landing.time), rel=5e-3
+        trapezoid(moment, landing.time), rel=1e-4
     )
 
 
