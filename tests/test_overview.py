@@ -114,6 +114,14 @@ def test_joints_that_lock_come_before_those_that_move_most_and_spinning_ones_las
     assert {NAMES[0], NAMES[-1]} <= subjects(few, "angles")
 
 
+def test_what_spins_has_a_panel_of_its_own(tmp_path):
+    """A crank that turns three times beside a rocker that swings by 1 rad."""
+    runs = run_of(tmp_path / "a.h5", "joints", "hinge", NAMES[:3], (("angle", "rad", ""),),
+                  lambda i, t: 9.5 * t if i == 1 else np.sin(t + i))  # fmt: skip
+    [angles] = [sheet for sheet in default_sheets(runs) if sheet.name == "angles"]
+    assert [panel.subjects for panel in angles.panels] == [("e1",), ("e0", "e2")]
+
+
 def test_a_chassis_comes_before_its_wheels(tmp_path):
     """By the range of the momentum, not of the speed."""
     masses = {name: {"mass": 1.0 if i else 1e3} for i, name in enumerate(NAMES)}

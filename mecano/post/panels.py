@@ -39,13 +39,18 @@ def _by_unit(panel):
 
 
 def _by_size(panel):
-    """Split a panel into panels for elements with values of similar magnitude, so that all are visible."""
+    """Split a panel into panels for elements with values of similar magnitude, so that all are visible.
+
+    Angles of what spins, which grow all the time, have a panel of their own.
+    """
+    angles = panel.over_time and panel.curves[0].y.unit == "rad"
     size: dict[str, float] = {}  # by subject
     for curve in panel.curves:
         size[curve.subject] = max(size.get(curve.subject, 0.0), largest(curve.y.values))
     groups: list[list[str]] = []
     for subject in sorted(size, key=size.__getitem__, reverse=True):
-        if not groups or size[subject] * FAR_APART < size[groups[-1][0]]:
+        first = size[groups[-1][0]] if groups else 0.0
+        if not groups or size[subject] * FAR_APART < first or (angles and size[subject] <= TURNS < first):
             groups.append([])
         groups[-1].append(subject)
     return [replace(panel, curves=tuple(c for c in panel.curves if c.subject in group)) for group in groups]
