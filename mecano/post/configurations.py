@@ -12,7 +12,7 @@ from mecano.errors import UsageError
 from mecano.post.draw_sketch import draw_compass, draw_patch, hull
 from mecano.post.figure import plain_figure
 from mecano.post.ground import ground_patch
-from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
+from mecano.post.shapes import BODY, CABLE, GUIDE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
 from mecano.post.sketch import FLAT, plane_axes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 from mecano.post.view_direction import direction, projection
@@ -64,7 +64,7 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            seen = [(shape.style == CABLE, _line(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
+            seen = [(shape.style in (CABLE, GUIDE), _line(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
             _draw(ax, [(thin, line - shift[i]) for thin, line in seen])
             for outline in patches[i]:
                 draw_patch(ax, outline - shift[i])

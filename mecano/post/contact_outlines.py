@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 POINTS = 49  # of a circle
-BEYOND = 2.0  # radii of the ball, or distances of the farthest node: how far a plane is drawn
+BEYOND, LARGE = 2.0, 0.08  # radii of the ball, sizes of the mechanism: how far a plane is drawn beyond the contact
+NEAR = 0.1  # sizes of the mechanism: where node b is closer to the plane than this, the plane is drawn below it
+FLAT = 1e-3  # of the size: of a mechanism that extends less across the lines, a plane is a line
 PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are viewed along y
 
 
@@ -44,11 +46,36 @@ def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np
     elif name == "cam":
         lines = [_cam(motion.run.deck, surface)]
     elif name == "plane":
-        farthest = max(float(np.linalg.norm(x - middle)) for x in places.values())
-        lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(radius, farthest) * along]
+        path = _path(motion, a, b, places)
+        lines = [_plane(path - middle, np.stack([main, across, along]), radius, np.stack(list(places.values())))]
     else:
         lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]
     return [_carried(motion, a, middle + line) for line in lines]
+
+
+def _path(motion, a, b, places):
+    """Return the positions (n, 3) of node b at all times, as seen from a node a that is not the ground."""
+    if b not in motion.nodes:
+        return places[b][None]
+    path = motion.path(b)
+    return path if a not in motion.nodes else path - motion.path(a) + places[a]
+
+
+def _plane(path, axes, radius, places):
+    """Return the part of a plane that is near the ``path`` (n, 3) of node b, as a line or the outline of a rectangle.
+
+    ``path`` is relative to a point of the plane, ``axes`` are its normal and the directions across and along.
+    """
+    gap, *inside = axes @ path.T
+    reach = np.abs(gap).min()
+    size = float(np.linalg.norm(np.ptp(np.concatenate([path, places - places[0] + path[0]]), axis=0))) or 2.0 * reach
+    room = max(BEYOND * radius, LARGE * size) or 1.0
+    near = np.abs(gap) <= reach + NEAR * size
+    (c, d), (e, f) = ((x[near].min() - room, x[near].max() + room) for x in inside)
+    if np.ptp(places @ axes[1]) <= FLAT * size and np.ptp(inside[0]) <= FLAT * size:
+        middle = 0.5 * (c + d) * axes[1]
+        return middle + np.outer([e, f], axes[2])
+    return np.array([(c, e), (d, e), (d, f), (c, f), (c, e)]) @ axes[1:]
 
 
 def _places(motion):

@@ -55,6 +55,10 @@ class ModeMotion:
         values = self.file.nodes[node]
         return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
 
+    def path(self, node: str) -> np.ndarray:
+        """Return the positions (phases, 3) [m] of a node."""
+        return self.position(node)
+
     def apart(self, nodes: Sequence[str], points: np.ndarray) -> bool:
         """Return whether nodes with ``points`` (phases, nodes, 3) [m] are apart at any phase."""
         return apart(points)

@@ -67,6 +67,10 @@ class Motion:
         """Return the positions (instants, 3) [m] of a node."""
         return self.vector(f"nodes/{node}/position")
 
+    def path(self, node: str) -> np.ndarray:
+        """Return the positions (saved times, 3) [m] of a node at all saved times."""
+        return self.run.results.find(f"nodes/{node}/position").values
+
     def vector(self, path: str) -> np.ndarray:
         """Return an output (instants, ...) of the file."""
         if isinstance(self.rows, slice):

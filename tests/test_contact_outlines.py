@@ -1,0 +1,39 @@
+"""Planes of contacts in pictures: as large as the motion near them."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from mecano.post.contact_outlines import LARGE, surface_outlines
+
+
+def plane(path, others=(), **plane):
+    """Return the outline (n, 3) of the plane below a node that moves on a ``path``, beside nodes that rest."""
+    path = np.array(path, float)
+    places = {"foot": path[0], **{f"n{i}": np.array(place, float) for i, place in enumerate(others)}}
+    deck = {"nodes": {name: {"position": list(place)} for name, place in places.items()}}
+    motion = SimpleNamespace(
+        nodes=list(places), run=SimpleNamespace(deck=deck), path=lambda node: path, position=lambda node: path
+    )
+    [line] = surface_outlines(motion, {"nodes": ["ground", "foot"], "plane": plane}, 0.0)
+    return line[0]
+
+
+def test_a_plane_is_drawn_where_the_node_comes_near_it():
+    """A foot is carried from a table at x = 1 to one at x = -1, 1 m higher; the points of the planes are far away."""
+    path = [(1.0, 0.0, 0.0), (0.9, 0.0, 0.05), (0.0, 0.0, 2.0), (-1.0, 0.0, 1.1), (-1.1, 0.0, 1.0)]
+    room = LARGE * np.hypot(2.1, 2.0)
+    for height, low, high in ((0.0, 0.9, 1.0), (1.0, -1.1, -1.0)):
+        line = plane(path, normal=[0.0, 0.0, 1.0], point=[50.0, 0.0, height])
+        np.testing.assert_allclose(np.sort(line[:, 0]), (low - room, high + room), atol=1e-12)
+        np.testing.assert_allclose(line[:, 1:], [(0.0, height)] * 2, atol=1e-12)
+
+
+def test_a_plane_below_a_mechanism_in_space_is_a_rectangle():
+    """Its four edges; a mechanism without width, as above, has a line, which keeps its side view."""
+    path = [(0.0, 0.0, 0.1), (1.0, 0.0, 0.1)]
+    outline = plane(path, [(0.5, 0.4, 0.1)], normal=[0.0, 0.0, 1.0], point=[0.0, 0.0, 0.0])
+    room = LARGE * np.hypot(1.0, 0.4)
+    assert len(outline) == 5 and np.array_equal(outline[0], outline[-1])
+    np.testing.assert_allclose(outline.min(axis=0), (-room, -room, 0.0), atol=1e-12)
+    np.testing.assert_allclose(outline.max(axis=0), (1.0 + room, room, 0.0), atol=1e-12)
