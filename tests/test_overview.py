@@ -105,6 +105,13 @@ def test_springs_with_the_largest_forces_are_shown_not_the_gauges_before_them(tm
     assert subjects(runs, "struts") == set(NAMES[-MOST:])
 
 
+def test_curves_like_those_shown_leave_room_for_another(tmp_path):
+    """All but one, which varies least, differ by a few percent from one another."""
+    runs = run_of(tmp_path / "a.h5", "joints", "hinge", NAMES, (("angle", "rad", ""),),
+                  lambda i, t: (1.0 + 0.01 * i) * np.sin(t) if i else 0.1 * np.cos(t))  # fmt: skip
+    assert subjects(runs, "angles") == {NAMES[0], *NAMES[-MOST + 1 :]}
+
+
 def test_joints_that_lock_come_before_those_that_move_most_and_spinning_ones_last(tmp_path):
     runs = run_of(tmp_path / "a.h5", "joints", "hinge", NAMES, (("angle", "rad", ""),),
                   lambda i, t: 700.0 * t if i < 3 else np.sin(t) / (i + 1))  # fmt: skip

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 MOST = 6  # elements of one run shown together
 MOST_OF_SEVERAL = 2  # elements of each of several runs
 FAR_APART = 20.0  # ratio of magnitudes above which curves do not share a panel
+MOST_COMPARED = 8  # times the number shown: how many elements are compared with one another
 TURNS = 4.0 * np.pi  # rad; a larger angle is that of something that spins, of which the rate says more
+ALIKE = 0.1  # of the range of a curve: one that differs by less from a curve shown is shown last
 NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
 
 
@@ -92,8 +94,36 @@ def _most_active(things, view, runs):
         run = next(run for run in runs if thing in run.pieces)
         unit = _unit(run, _first_name(view, thing, run)) if thing.startswith("signals/") else ""
         alike.setdefault(unit, []).append(thing)
-    chosen = {thing for some in alike.values() for thing in some[:most]}
+    chosen = {thing for some in alike.values() for thing in _distinct(some, view, runs, most)}
     return [thing for thing in things if thing in chosen]
+
+
+def _distinct(ordered, view, runs, most):
+    """Return the first ``most`` of elements in an order, those whose first curve is like that of an earlier one last.
+
+    Many alike, as the feet of a table, would leave no place for others.
+    """
+    chosen, curves, alike = [], [], []
+    for thing in ordered[: MOST_COMPARED * most]:
+        if len(chosen) == most:
+            break
+        run = next(run for run in runs if thing in run.pieces)
+        quantity = next((one for output in view.outputs if (one := _quantity(run, thing, output))), None)
+        if quantity is not None and any(_like(quantity, other) for other in curves):
+            alike.append(thing)
+        else:
+            chosen.append(thing)
+            curves += [quantity] if quantity is not None else []
+    return (chosen + alike + ordered[MOST_COMPARED * most :])[:most]
+
+
+def _like(one, other):
+    """Return whether two quantities of one unit at the same times differ by less than ALIKE of their range."""
+    a, b = one.values, other.values
+    if one.unit != other.unit or len(a) != len(b) or not len(a):
+        return False
+    known = np.isfinite(a) & np.isfinite(b)
+    return bool(known.any()) and np.abs(a - b)[known].max() <= ALIKE * max(np.ptp(a[known]), np.ptp(b[known]))
 
 
 def _activity(view, thing, run):
