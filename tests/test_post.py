@@ -514,6 +514,23 @@ class TestRequests:
         with pytest.raises(UsageError, match="cannot be understood"):
             Request.parse(text)
 
+    def test_a_run_without_the_quantity_is_named_and_the_others_are_drawn(self, tmp_path):
+        """A flexible and a rigid link, of which one has stress."""
+        files = [
+            every_kind.write(tmp_path / f"{name}.h5", kinds={one: KINDS[one] for one in kinds})
+            for name, kinds in (("flexible", ("beam", "hinge")), ("rigid", ("hinge",)))
+        ]
+        runs = open_runs(files)
+        sheet = self.sheet("one_beam.stress,one_hinge.angle", runs)
+        assert sheet.heading == "one_beam.stress, one_hinge.angle over time; 'one_beam.stress' is not in rigid"
+        assert [(curve.y.whole, curve.run) for panel in sheet.panels for curve in panel.curves] == [
+            ("stress", 0), ("angle", 0), ("angle", 1)
+        ]  # fmt: skip
+        [panel] = self.sheet("one_hinge.angle:one_beam.stress", runs).panels
+        assert [curve.run for curve in panel.curves] == [0]
+        with pytest.raises(UnknownNameError, match="flexible.h5: no output 'one_spring"):
+            self.sheet("one_spring.force", runs)
+
     def test_unknown_names_are_answered_with_similar_ones(self, runs):
         with pytest.raises(UnknownNameError, match="each.h5.*'one_wheel.radal_force'.*did you mean.*radial_force"):
             self.sheet("one_wheel.radal_force", runs)
