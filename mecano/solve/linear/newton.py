@@ -6,6 +6,10 @@ one correction from a residual within the tolerance is expected to reach that, i
 is not evaluated. The call returns to Python, which then calls again, to look at signals of the process
 before a factorization (PAUSE), or if the fixed order of elimination cannot factor the matrix (OTHERWISE).
 
+Iterations also end where a new tangent reduces the residual no more, within ten times its tolerance, after corrections
+far below theirs: the rounding of a position, which the next one cannot mend, goes through damping into the force on a
+massless unknown and moves it by more than rounding.
+
 In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are shortened by a
 line search (Matthies and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre, or a node without mass
 between a spring and dry friction, begins to stick, they would alternate between sliding in both directions, however
@@ -20,7 +24,7 @@ from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, bind_state, residual, residual_loops, tangent_loops
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
-from mecano.solve.linear.rounding import ROUNDING, TINY, at_rounding
+from mecano.solve.linear.rounding import ROUNDING, STALLS, TINY, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import Weights, correct, motion_tangents
 from mecano.solve.time.workspace import (
@@ -37,6 +41,7 @@ from mecano.solve.time.workspace import (
 
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 SHARE = 0.001  # of the tolerances, to be met with a kept tangent: its last iteration does not square the error
+MOST_STALLED = 10.0  # largest residual, over its tolerance, at which iterations may end that reduce it no more
 MOST_ROUNDING = 10.0  # largest residual, over its estimated rounding error, if the corrections are rounding errors
 OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
 MOST_HALVINGS = 40  # of one correction: at the start of sticking it may be 1e10 times too long
@@ -194,7 +199,8 @@ def judge(w, report, before, signals):
     if iteration and report[INCREMENT] * min(reduction, 1.0) <= 1.0:  # the next correction would be within tolerance
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
         rounded = rounded and (w.renewed or reduction > SLOW)  # reactions converge with the residual of an old tangent
-        if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
+        stalls = w.renewed and reduction > STALLS and worst <= MOST_STALLED and report[INCREMENT] <= SHARE
+        if worst <= 1.0 or stalls or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
         if signals <= 1.0 and rounded:  # the residual may be the rounding error of positions
             forces, constraints, _ = present_norms(w, 1.0, np.inf, w.farthest)
