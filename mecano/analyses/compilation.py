@@ -65,6 +65,10 @@ def compile_time_integration(system: "System", time: "Values") -> None:
         own = radau()
     else:
         own = (*GENERALIZED_ALPHA, bound_error) if time["adaptive"] else GENERALIZED_ALPHA
+    if time["adaptive"] and time["method"] != "radau" and system.massless.any():
+        from mecano.solve.time.relaxed_error import relax_error  # not needed by models without massless unknowns
+
+        own += (relax_error,)
     own += EVENTS if system.n_events else ()
     own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()
     further = [] if system.halves is None else divided()

@@ -10,6 +10,7 @@ from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE,
 from mecano.solve.time.workspace import BEGIN
 
 if TYPE_CHECKING:
+    from mecano.jit.entry import PackedCall
     from mecano.model.state import State
     from mecano.model.system import System
     from mecano.solve.time.workspace import Workspace
@@ -47,6 +48,7 @@ class LightUnknowns:
         self._some_of_nodes = bool(np.any(~_heavy(system) & ((kind == TRANSLATION) | (kind == ROTATION))))
         self._scalars = np.flatnonzero(system.massless)
         self._in_phases: dict[bytes, np.ndarray] = {}
+        self._relax: PackedCall | None = None  # to be kept, as compiled code refers to it
 
     def at(self, s: "State") -> np.ndarray:
         """Return their indices (n,), ascending, in the phases of ``s``: the same in all but singular positions."""
@@ -64,12 +66,19 @@ class LightUnknowns:
 
     def forget(self, w: "Workspace") -> None:
         """Enter the scalars alone into a workspace, which the step completes where it must."""
-        w.point_to(n_light=len(self._scalars), light=self._scalars, knows_light=not self._some_of_nodes)
+        self._enter(w, self._scalars, not self._some_of_nodes)
 
     def enter(self, w: "Workspace") -> None:
         """Enter all of them, in the phases at BEGIN, into a workspace."""
-        light = self.at(w.state(BEGIN, w.phases.copy()))
-        w.point_to(n_light=len(light), light=light, knows_light=True)
+        self._enter(w, self.at(w.state(BEGIN, w.phases.copy())), True)
+
+    def _enter(self, w, light, known):
+        w.point_to(n_light=len(light), light=light, knows_light=known)
+        if len(light) and self._relax is None:
+            from mecano.solve.time.relaxed_error import relax_error  # not compiled for models without such unknowns
+
+            self._relax = relax_error.call_from_compiled_code(w.record)
+            w.point_to(relax=self._relax.function, relax_words=self._relax.words)
 
 
 def held_by_lines(system: "System", i: int) -> tuple[str, ...]:

@@ -1,30 +1,14 @@
-r"""One step of generalized-alpha in one compiled call: prediction, Newton's iterations, error estimate.
-
-The local error of a massless unknown, of an element or of a node, :math:`\delta = C_e h^2 \Delta a`, is that of its
-value as the integral of its rate. Its equation corrects it within the step: with the tangent S of the step and the part
-:math:`c_C C` of the rates,
-
-.. math::  S\, x = c_C C\, \delta
-
-leaves x at the end of the step, which is :math:`\delta` as long as the step is short beside the time constant
-:math:`K^{-1} C`, and nothing where the equation does not contain the rate. A patch of a tyre that begins to slide is
-such a case, or a node between a spring and dry friction: friction depends on the rate no more, which jumps, while the
-displacement is that at which friction is in balance. The product is a difference of two residuals: friction has no
-derivative that holds over such a jump.
-
-If each step leaves the share :math:`\rho = x/\delta`, the errors add up to :math:`x/(1 - \rho)`.
-"""
+"""One step of generalized-alpha in one compiled call: prediction, Newton's iterations, error estimate."""
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.model.assembly_driver import bind_state, residual, residual_loops
-from mecano.model.numbering import ROTATION, SIGNAL
+from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent, most_kept
-from mecano.solve.time.increments import carried_history, finish, largest_change, predict
-from mecano.solve.time.step_control import FORGOTTEN, SUDDEN, allowed, counted
+from mecano.solve.time.increments import carried_history, finish, predict
+from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.workspace import (
     BEGIN,
     STEP,
@@ -37,8 +21,6 @@ from mecano.solve.time.workspace import (
     time_of,
     unknowns_of,
 )
-
-IN_ALL = 0.1  # of the tolerance: the sum of the errors of steps that soon forget them
 
 
 @entry
@@ -102,87 +84,9 @@ def complete(w):
     for i in range(w.n_massless):
         largest = max(largest, abs(ended[massless[i]] - began[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
-    error = counted(w.lag, FORGOTTEN, w.duration, w.h)
-    if w.n_light > w.n_massless:
-        error = max(error, w.error * w.h * w.h * w.change)
-    if error > allowed(w.tolerance, w.duration, w.h) and w.usable:
-        relax_errors(w, began, ended)
+    if w.relax and w.usable:
+        call(w.relax, w.relax_words, 0)
     w.next_known = min(w.known + 1, 2)
     w.next_has, w.next_age, w.next_drift, w.next_spent = choose_tangent(
         w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.most, w.n
     )
-
-
-@kernel
-def relax_errors(w, began, ended_out):
-    """Count the error of unknowns without mass as that which is left at the end of the step in the workspace, at TRIAL.
-
-    Their accelerations (n_all,) ``began`` and ``ended_out`` differ by the change from which the local error follows;
-    ``ended_out`` is changed on the way only.
-    """
-    light, errors, largest = integers(w.light, w.n_light), floats(w.guess, w.n), 0.0
-    for i in range(w.n_light):
-        errors[i] = w.error * w.h * w.h * (ended_out[light[i]] - began[light[i]])
-        largest = max(largest, abs(errors[i]) / length_of(w, light[i]))
-    if w.n_light > w.n_massless:
-        w.change = change_of_others(w, light, began, ended_out)
-    if largest > 0.0:
-        w.lag = remembered(largest, left_by_equations(w, light, errors))
-
-
-@kernel
-def length_of(w, i):
-    """Return the length [m] over which the error of an unknown counts; 1 for a rotation."""
-    return 1.0 if integers(w.kind, w.n_all)[i] == ROTATION else w.length
-
-
-@kernel
-def change_of_others(w, light, began, ended_out):
-    """Return the largest change from ``began`` to ``ended_out`` (n_all,) but for the unknowns ``light``."""
-    kept = floats(w.guess + 8 * w.n, w.n)
-    for i in range(light.size):
-        kept[i], ended_out[light[i]] = ended_out[light[i]], began[light[i]]
-    change = largest_change(began, ended_out, integers(w.kind, w.n_all), w.n_q, w.length)
-    for i in range(light.size):
-        ended_out[light[i]] = kept[i]
-    return change
-
-
-@kernel
-def left_by_equations(w, light, errors_out):
-    """Return the largest of the ``errors_out`` of the unknowns ``light`` that is left, over its length.
-
-    They are overwritten. The residual is last that of the state itself, whose forces are observed.
-    """
-    s, system, rates = state_of(w, TRIAL), system_of(w), floats(w.guess + 8 * w.n, w.n)
-    r, x, loops = floats(w.residual, w.n_all), floats(w.increment, w.n), residual_loops(w)
-    bind_state(system, s)
-    system[0].lag = 1.0 / w.cC
-    for i in range(light.size):
-        rates[i] = s.v[light[i]]
-        s.v[light[i]] -= w.cC * errors_out[i]
-    residual(loops, system, w.k, w.penalty)
-    for i in range(light.size):
-        errors_out[i], s.v[light[i]] = r[light[i]], rates[i]
-    residual(loops, system, w.k, w.penalty)
-    for i in range(light.size):
-        errors_out[i] = r[light[i]] - errors_out[i]
-    r[: w.n] = 0.0
-    for i in range(light.size):
-        r[light[i]] = errors_out[i]
-    call(w.substitute, w.substitute_words, 0)
-    largest = 0.0
-    for i in range(light.size):
-        largest = max(largest, abs(x[light[i]]) / length_of(w, light[i]))
-    return largest
-
-
-@kernel
-def remembered(error, left):
-    """Return the error that counts of a local ``error`` > 0 of which the equations leave ``left``.
-
-    The sum of errors that steps reduce may be IN_ALL of the tolerance, each of the others FORGOTTEN of it.
-    """
-    if not left < error:
-        return error
-    return min(left, FORGOTTEN / IN_ALL * left / (1.0 - left / error))

@@ -42,7 +42,8 @@ STEP = fields(
     "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_light n_entries state_size "
     "system residual size increment T kind rotation_dof "
     "derivatives gap exact_rates added masses nnz rows columns diagonal "
-    "massless light knows_light soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent "
+    "massless light knows_light relax relax_words "
+    "soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent "
     "entry_places entry_values solve solve_words solve_results substitute substitute_words clock clock_id now "
     "states phases history guess carried v_shift report",
     loops="residual tangent constraint",
