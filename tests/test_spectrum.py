@@ -6,7 +6,7 @@ import pytest
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.pictures import post
 from mecano.post.runs import open_runs
-from mecano.post.spectrum import amplitudes, densities, density_sheet, spectrum_sheet
+from mecano.post.spectrum import Window, amplitudes, densities, density_sheet, spectrum_sheet
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
@@ -59,6 +59,25 @@ def test_the_picture_names_the_peak(tmp_path):
     picture, columns = post([path], spectra=["spring.force"], columns=True)
     assert (picture.name, columns.name) == ("sine_spectrum_spring.force.png", "sine_spectrum_spring.force.csv")
     assert columns.read_text().startswith("frequency [Hz],elements.spring.force [N]\n0.5,")
+
+
+def test_only_the_values_between_two_times(tmp_path):
+    """A motion of 2 Hz that ends at 2 s, and a residual vibration of 5 Hz after it, on a line of 2 s."""
+    time = 0.01 * np.arange(401)
+    force = np.where(time < 2.0, 9.0 * np.sin(4 * np.pi * time), 0.2 * np.sin(10 * np.pi * time))
+    path = write(tmp_path / "stop.h5", time, force)
+    [panel] = (after := spectrum_sheet("spring.force", open_runs([path]), Window(2.0, 3.99))).panels
+    assert after.heading.startswith("Amplitudes over the frequency from 2 s to 3.99 s: Hann")
+    assert panel.note == "0.2 N at 5 Hz"
+    assert sheet(path).panels[0].note.endswith(" N at 2 Hz")
+    [panel] = density_sheet("spring.force", open_runs([path]), Window(begin=2.0)).panels
+    assert panel.note.startswith("root mean square 0.14")  # 0.2/sqrt(2)
+    with pytest.raises(UsageError, match="has 6 values from 3.95 s: too few"):
+        spectrum_sheet("spring.force", open_runs([path]), Window(3.95))
+    with pytest.raises(UsageError, match="has 0 values to -1 s: too few"):
+        spectrum_sheet("spring.force", open_runs([path]), Window(end=-1.0))
+    with pytest.raises(UsageError, match="--from, --to: only with --spectrum or --density"):
+        [*post([path], begin=1.0)]
 
 
 def test_errors_of_spectra(tmp_path):

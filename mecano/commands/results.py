@@ -19,6 +19,8 @@ class Pictures(NamedTuple):
     below: float | None
     measured: str | None
     above: float | None
+    begin: float | None
+    end: float | None
 
 
 class Pages(NamedTuple):
@@ -39,6 +41,8 @@ class Pages(NamedTuple):
 )
 @click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
 @click.option("--density", "densities", multiple=True, metavar="Y[,Y2]", help="Plot power spectral densities.")
+@click.option("--from", "begin", type=float, metavar="T", help="Of --spectrum and --density: only from this time [s].")
+@click.option("--to", "end", type=float, metavar="T", help="Of --spectrum and --density: only to this time [s].")
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
 @click.option(
     "-o", "--output", type=click.Path(),
@@ -155,6 +159,7 @@ def _refuse_strays(results, pictures):
         raise click.UsageError("--animate and --report take one results file")
     given = pictures._asdict()
     given |= {"format": given.pop("kind") != "png", "csv": given.pop("columns")}
+    given |= {"from": given.pop("begin") is not None, "to": given.pop("end") is not None}
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")

@@ -19,7 +19,7 @@ from mecano.post.overview import overview
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets
-from mecano.post.spectrum import density_sheet, spectrum_sheet
+from mecano.post.spectrum import ALL, Window, density_sheet, spectrum_sheet
 from mecano.post.study_plots import study_figure
 from mecano.post.study_requests import requested_figures
 from mecano.results import margins_file, modes_file, response_file, study_file, sweep_file
@@ -58,6 +58,8 @@ def post(
     below: float | None = None,
     measured: str | os.PathLike[str] | None = None,
     above: float | None = None,
+    begin: float | None = None,
+    end: float | None = None,
     force: bool = False,
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
@@ -91,6 +93,8 @@ def post(
     measured : str or Path
         CSV file of measured outputs (measured.py), drawn as points into the ``plots``; without any, its columns are
         plotted over the first.
+    begin, end : float
+        Times [s] between which values are transformed, of ``spectra`` and ``densities``; by default all.
     force : bool
         Also replace pictures and tables that mecano has not written.
 
@@ -107,6 +111,9 @@ def post(
     band = {name: value for name, value in (("below", below), ("above", above)) if value is not None}
     if band and {*formats.values()} != {sweep_file.FORMAT}:
         raise UsageError(f"--{next(iter(band))}: only for files of `mecano modes --sweep`")
+    window = Window(begin, end)
+    if window != ALL and not (spectra or densities):
+        raise UsageError("--from, --to: only with --spectrum or --density")
     if ALONE.keys() & formats.values():
         yield from (
             _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, band, force)
@@ -114,16 +121,20 @@ def post(
         return
     with opened_runs(paths) as runs:
         points = read_measured(measured, runs[0]) if measured else None
-        pictures, times = _pictures(runs, plots, spectra, densities, at, points)
+        pictures, times = _pictures(runs, plots, (spectra, densities, window), at, points)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
 
 
-def _pictures(runs, plots, spectra, densities, at, points):
-    """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
+def _pictures(runs, plots, transformed, at, points):
+    """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations.
+
+    ``transformed``: spectra, densities, and the Window of both.
+    """
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
     plots = plots or (points.plots() if points else ())
-    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs, densities)
+    spectra, densities, window = transformed
+    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs, densities, window)
     if points:
         requested = with_measured(requested, points)
     return [(sheet, sheet_figure) for sheet in requested] if requested or times else _default_pictures(runs), times
@@ -147,15 +158,19 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
 
 
 def requested_sheets(
-    plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run], densities: Iterable[str] = ()
+    plots: Iterable[str],
+    spectra: Iterable[str],
+    runs: Sequence[Run],
+    densities: Iterable[str] = (),
+    window: Window = ALL,
 ) -> "list[Sheet]":
-    """Return the Sheets of ``plots`` "Y[,Y2]:X", ``spectra`` and ``densities`` "Y[,Y2]".
+    """Return the Sheets of ``plots`` "Y[,Y2]:X", ``spectra`` and ``densities`` "Y[,Y2]" in a Window.
 
     Raises UsageError, UnknownNameError.
     """
     plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
-    transformed = [spectrum_sheet(text, runs) for text in spectra] + [density_sheet(text, runs) for text in densities]
-    return plotted + transformed
+    transformed = [spectrum_sheet(text, runs, window) for text in spectra]
+    return plotted + transformed + [density_sheet(text, runs, window) for text in densities]
 
 
 def _refuse_together(formats, plots, of_runs):

@@ -10,14 +10,14 @@ the frequency is the variance.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mecano.deck.wording import quoted
 from mecano.errors import UsageError
 from mecano.post.quantity import Quantity
-from mecano.post.request import GRAMMAR, Request, curve_label, found
+from mecano.post.request import GRAMMAR, Request, curve_label, found_in, lacking
 from mecano.post.sheet import Curve, Panel, Sheet
 
 if TYPE_CHECKING:
@@ -29,42 +29,72 @@ UNEVEN = 1e-6  # of the interval: larger differences are not rounding errors
 FLOOR = 1e-8  # of the largest amplitude: smaller ones are rounding errors and not shown
 
 
-def spectrum_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
-    """Return the Sheet of the amplitudes of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError."""
-    request, curves = _curves("spectrum", text, runs, amplitudes, FLOOR, lambda unit: unit)
+class Window(NamedTuple):
+    """The times [s] whose values are transformed, from ``begin`` to ``end``; all by default."""
+
+    begin: float | None = None
+    end: float | None = None
+
+    @property
+    def text(self) -> str:
+        """The window as part of a heading, "" for all times."""
+        begin = "" if self.begin is None else f" from {self.begin:.6g} s"
+        return begin + ("" if self.end is None else f" to {self.end:.6g} s")
+
+    def cut(self, quantity: Quantity) -> Quantity:
+        """Return the quantity at the times in the window."""
+        room = UNEVEN * float(np.ptp(quantity.time)) / max(len(quantity.time) - 1, 1)
+        begin, end = -np.inf if self.begin is None else self.begin, np.inf if self.end is None else self.end
+        inside = (quantity.time >= begin - room) & (quantity.time <= end + room)
+        return replace(quantity, time=quantity.time[inside], values=quantity.values[inside])
+
+
+ALL = Window()
+
+
+def spectrum_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sheet:
+    """Return the Sheet of the amplitudes of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError.
+
+    Runs without one of the quantities have no curve of it, which the heading says.
+    """
+    request, curves, remark = _curves("spectrum", text, runs, window, amplitudes, FLOOR, lambda unit: unit)
     panels = [Panel(curve_label(own), own, logarithmic=True, note=_peak(own)) for own in _by_unit(curves)]
-    heading = f"Amplitudes over the frequency: Hann window, mean removed, a line every {_lines(curves)}"
+    heading = f"Amplitudes over the frequency{window.text}: Hann window, mean removed, a line every {_lines(curves)}"
+    heading += remark
     return Sheet(f"spectrum_{request.name}", heading, tuple(panels), run_labels=_labels(runs))
 
 
-def density_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
+def density_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sheet:
     """Return the Sheet of the power spectral densities of "Y[,Y2]", as ``spectrum_sheet``."""
-    request, curves = _curves("density", text, runs, densities, FLOOR**2, _squared_per_hertz)
+    request, curves, remark = _curves("density", text, runs, window, densities, FLOOR**2, _squared_per_hertz)
     panels = [
         Panel(curve_label(own), own, logarithmic=True, note=_root_mean_square(own), decades=True)
         for own in _by_unit(curves)
     ]
     heading = (
-        f"Power spectral densities: {SEGMENTS} segments, Hann window, means removed, a line every {_lines(curves)}"
+        f"Power spectral densities{window.text}: {SEGMENTS} segments, Hann window, means removed, "
+        f"a line every {_lines(curves)}{remark}"
     )
     return Sheet(f"density_{request.name}", heading, tuple(panels), run_labels=_labels(runs))
 
 
-def _curves(option, text, runs, transform, floor, unit_of):
-    """Return the Request of a text, and the Curves of the transforms of its quantities, above the ``floor``."""
+def _curves(option, text, runs, window, transform, floor, unit_of):
+    """Return the Request of a text, the Curves of the transforms of its quantities in a Window, above the ``floor``,
+    and a text on the runs that lack them.
+    """
     request = Request.parse(text)
     if request.x != "time":
         raise UsageError(f"--{option} {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")
-    curves = []
+    quantities, curves = {name: found_in(runs, name) for name in request.ys}, []
     for number, run in enumerate(runs):
-        for quantity in (quantity for name in request.ys for quantity in found(run, name)):
-            interval, values = _evenly_sampled(quantity, run)
+        for quantity in (quantity for name in request.ys for quantity in quantities[name][number]):
+            interval, values = _evenly_sampled(quantity, run, window)
             frequencies, sizes = transform(values, interval)
             x = Quantity("frequency", "Hz", "frequency", f"{quantity.path} {number}", frequencies, frequencies)
             shown = np.where(sizes > floor * sizes.max(initial=0.0), sizes, np.nan)
             y = replace(quantity, unit=unit_of(quantity.unit), clock=x.clock, time=frequencies, values=shown)
             curves.append(Curve(x, y, number, quantity.subject))
-    return request, curves
+    return request, curves, lacking(quantities, runs)
 
 
 def _by_unit(curves):
@@ -108,16 +138,21 @@ def densities(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarr
     return np.fft.rfftfreq(length, interval)[1:], sizes[1:]
 
 
-def _evenly_sampled(quantity, run):
-    """Return interval [s] and values of a quantity, without a last value at a shorter interval. Raises UsageError."""
-    where, gaps = f"{quoted(quantity.path)} in {run.results.path}", np.diff(quantity.time)
+def _evenly_sampled(quantity, run, window):
+    """Return interval [s] and values of a quantity in a Window, without a last value at a shorter interval.
+
+    Raises UsageError.
+    """
+    where = f"{quoted(quantity.path)} in {run.results.path}"
     if quantity.axis[1] != "s":
         raise UsageError(f"{where} is over the {quantity.axis[0]}: a spectrum needs times")
+    quantity = window.cut(quantity)
+    gaps = np.diff(quantity.time)
     if len(gaps) > 1 and gaps[-1] < (1.0 - UNEVEN) * gaps[0]:
         gaps = gaps[:-1]
     values = quantity.values[: len(gaps) + 1]
     if len(values) < FEWEST:
-        raise UsageError(f"{where} has {len(values)} values: too few for a spectrum")
+        raise UsageError(f"{where} has {len(values)} values{window.text}: too few for a spectrum")
     if np.ptp(gaps) > UNEVEN * gaps.mean():
         raise UsageError(
             f"{where} is known at intervals of {gaps.min():.3g} to {gaps.max():.3g} s: a spectrum needs equal "
