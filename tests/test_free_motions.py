@@ -29,6 +29,12 @@ def test_a_platform_on_mecanum_wheels_is_free_to_move_in_its_plane_and_to_turn_i
     assert kinds("mecanum", 1) == ["free"] * 7
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wheel_that_rolls_behind_its_arm_has_one_free_motion(seed):
+    """Its angle: at a given speed nothing else moves."""
+    assert kinds("trailing_wheel_bump", seed) == ["free"]
+
+
 def test_a_small_stiffness_is_not_taken_for_rounding():
     """A torsion balance of 2e-16 N m/rad and 3e-17 kg m2, as of nanotubes: sqrt(k/I)."""
     text = """

@@ -138,7 +138,8 @@ def unstrained(scaled: "SmallMotions") -> np.ndarray:
     B, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.F[:, kept], scaled.D[kept]))
     Z = null_space(B)
     L = _workless(D[:, ~scaled.on_velocity], B, Z)
-    L, Z = L @ null_space(D[:, scaled.on_velocity].T @ L), Z @ null_space(F @ Z)
+    held = np.where(np.abs(F @ Z) <= ZERO * np.abs(F).max(initial=0.0), 0.0, F @ Z)
+    L, Z = L @ null_space(D[:, scaled.on_velocity].T @ L), Z @ null_space(held)
     _, sigma, Vt = np.linalg.svd(L.T @ K @ Z)
     still = Z @ Vt[int(np.sum(sigma > ZERO * np.abs(K).max(initial=0.0))) :].T
     moving = np.vstack([A @ still / (np.abs(A).max(initial=0.0) or 1.0) for A in (M, C)])
