@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.post.plans import ON_GROUND, Plan, pictures_of
-from mecano.post.quantity import DERIVED, find, largest, peak_of, time_of, unit_of
+from mecano.post.quantity import DERIVED, Quantity, find, largest, peak_of, time_of, unit_of
 from mecano.post.sheet import Curve, Panel
 from mecano.results.recorded import MAGNITUDE
 
@@ -103,7 +103,9 @@ def _distinct(ordered, view, runs, most):
 
     Many alike, as the feet of a table, would leave no place for others.
     """
-    chosen, curves, alike = [], [], []
+    chosen: list[str] = []
+    alike: list[str] = []
+    curves: list[Quantity] = []
     for thing in ordered[: MOST_COMPARED * most]:
         if len(chosen) == most:
             break
