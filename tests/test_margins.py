@@ -383,6 +383,12 @@ class TestCommand:
         assert "mecano margins" in info("servo_margins.h5")
         assert [path.name for path in post(["servo_margins.h5"], output="drawn")] == ["drawn.png"]
 
+    @pytest.mark.parametrize(("high", "at_end"), [("3", True), ("100", False)])
+    def test_a_sensitivity_that_rises_to_the_end_of_the_range(self, high, at_end):
+        """Its peak at 3.8 Hz is beyond the first of these ranges (test_pid_controller_of_a_mass_with_a_delay)."""
+        line = next(line for line in self.invoke("--to", high).output.splitlines() if "sensitivity peak" in line)
+        assert ("end of range" in line) == at_end
+
     def test_nothing_is_replaced_unless_asked(self):
         assert self.invoke().exit_code == 0
         assert isinstance(self.invoke().exception, ResultsError)

@@ -212,6 +212,29 @@ def test_a_drive_at_its_turning_point_is_at_rest():
     assert "the start is not an equilibrium" in text and "not constant in these axes" not in text
 
 
+@pytest.mark.parametrize(("rate", "changes"), [(1.0, True), (1e-6, False)])
+def test_a_mechanism_that_has_all_but_come_to_rest_has_constant_modes(rate, changes):
+    """A bar that is held by an oblique spring; at 1e-6 rad/s it turns by a radian in eleven days."""
+    text = modes(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          hook: {{position: [1, 0, 2], fixed: true}}
+          bar: {{position: [0, 0, 0]}}
+          tip: {{position: [1, 0, 0]}}
+        elements:
+          bar: {{type: rigid_body, node: bar, mass: 1, inertia: [0.1, 0.2, 0.3], attached: [tip]}}
+          spring: {{type: spring_damper, nodes: [hook, tip], law: {{spring: 100}}}}
+        joints: {{hinge: {{type: hinge, nodes: [ground, bar], axis: [0, 1, 0]}}}}
+        initial: {{velocities: [{{nodes: [bar, tip], about: [0, 0, 0], angular_velocity: [0, {rate}, 0]}}]}}
+        time: {{end: 1, step: 1 ms}}
+        """),
+        None,
+    )[0]
+    assert ("they change by" in text) == changes
+
+
 def test_a_mechanism_without_forces_is_free_at_rest(tmp_path):
     """Reactions of 1e-31 N are rounding, and so is the stiffness that they cause, of either sign."""
     four_bar = read_deck(INPUTS / "four_bar.yaml", ("gravity=none", "time.end=0.3", "output.every=0.1"))

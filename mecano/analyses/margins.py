@@ -181,7 +181,8 @@ def _find(deck, request):
     _refuse_without_loop(request, changed, system, closed, loop)
     samplers = samplers_of(deck, system)
     found = call_interruptibly(_margins, closed, loop, request, one.signal, samplers)
-    warnings = [*state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, request)]
+    of_state = state_warnings(changed, base, closed, turning, "the loop", request.grid[0])
+    warnings = [*of_state, *_unsure(found, request)]
     return Margins(signal=request.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found.numbers)
 
 

@@ -47,7 +47,8 @@ def _margins(found):
     delay, frequency = found.delay
     yield "delay", _number(delay), "s" if np.isfinite(delay) else "", _number(frequency, "")
     peak, frequency = found.sensitivity
-    yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "infinite", "", f"{frequency:.6g}"
+    where = "end of range" if frequency in found.frequency[[0, -1]] else ""
+    yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "infinite", where, f"{frequency:.6g}"
 
 
 def _number(value, otherwise=NONE):

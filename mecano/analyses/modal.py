@@ -11,7 +11,9 @@ from mecano.analyses.small_motion_warnings import (
     NOT_CONVERGED,
     accuracy_warnings,
     imbalance_warnings,
+    noticed,
     slow_mode_warnings,
+    slowest,
 )
 from mecano.analyses.source import source_of
 from mecano.post.text_table import aligned
@@ -60,7 +62,7 @@ def modes(
             *base.warnings,
             *imbalance_warnings(base, turning),
             *friction_and_play_warnings(deck, system, base.state),
-            *accuracy_warnings(lin.variation, found.residuals),
+            *accuracy_warnings(noticed(lin, slowest(found.values)), found.residuals),
             *slow_mode_warnings(lin, found.values),
         ]
         if path is not None:

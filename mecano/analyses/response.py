@@ -17,6 +17,7 @@ from mecano.analyses.response_text import table
 from mecano.analyses.small_motion_warnings import (
     accuracy_warnings,
     imbalance_warnings,
+    noticed,
     slow_response_warnings,
 )
 from mecano.analyses.source import source_of
@@ -164,7 +165,7 @@ def _find(deck, request, to_export):
         refuse_plant(plant)
     omegas, values, found, static, error = call_interruptibly(_sampled_response, plant, request)
     warnings = [
-        *state_warnings(changed, base, plant, turning, "the response"),
+        *state_warnings(changed, base, plant, turning, "the response", float(omegas.min())),
         *slow_response_warnings(plant.lin, float(omegas.min())),
         *_unstable(plant, request),
         *_without_effect(plant, inputs, values),
@@ -180,13 +181,18 @@ def _find(deck, request, to_export):
     )  # fmt: skip
 
 
-def state_warnings(deck: "Deck", base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str) -> Iterator[str]:
-    """Yield warnings about the state of a deck for which ``what`` was computed, such as "the response"."""
+def state_warnings(
+    deck: "Deck", base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str, lowest: float
+) -> Iterator[str]:
+    """Yield warnings about the state of a deck for which ``what`` was computed, such as "the response".
+
+    ``lowest`` [rad/s]: its lowest frequency.
+    """
     late = set(held_warnings(deck))
     yield from (text for text in base.warnings if text not in late)
     yield from imbalance_warnings(base, turning, f"{what} is that")
     yield from friction_and_play_warnings(deck, base.prepared.system, base.state)
-    yield from accuracy_warnings(plant.lin.variation, [], f"{what} holds")
+    yield from accuracy_warnings(noticed(plant.lin, lowest), [], f"{what} holds")
 
 
 def _unit_of(output, units):

@@ -102,8 +102,8 @@ def accuracy_warnings(
     """
     if variation > CONSTANT:
         yield (
-            f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "
-            f"fastest body turns by 1 rad): {what} for this instant only; see --frame (in Python frame=)"
+            "the linearized equations are not constant in these axes: while the fastest body turns by 1 rad they "
+            f"change by {variation:.2g} of their size, so {what} for this instant only; see --frame (in Python frame=)"
         )
     worst = float(np.max(residuals, initial=0.0))
     if worst > CONVERGED:
@@ -111,6 +111,19 @@ def accuracy_warnings(
             f"modes marked '{NOT_CONVERGED}' do not satisfy the equations (residual up to {worst:.2g} of the terms): "
             "neither their eigenvalues nor their shapes are reliable; try the other solver, dense or sparse"
         )
+
+
+def noticed(lin: Linearization, lowest: float) -> float:
+    """Return the variation of a Linearization, or 0 if its matrices stay constant for motions at ``lowest`` [rad/s].
+
+    They do in a mechanism that has all but come to rest: its bodies would turn by a radian in hours.
+    """
+    return lin.variation if lin.pace > CONSTANT * lowest else 0.0
+
+
+def slowest(values: np.ndarray) -> float:
+    """Return the least modulus [rad/s] of eigenvalues (m,) other than zero; 0 if all are."""
+    return float(np.abs(values[values != 0.0]).min(initial=np.inf)) if values.any() else 0.0
 
 
 def slow_mode_warnings(lin: Linearization, values: np.ndarray) -> Iterator[str]:

@@ -11,7 +11,14 @@ import numpy as np
 from mecano.analyses.friction_and_play import friction_and_play_warnings
 from mecano.analyses.modal import largest_motions
 from mecano.analyses.operating_point import angular_velocity_of, operating_point
-from mecano.analyses.small_motion_warnings import STEADY, accuracy_warnings, imbalance_warnings, slow_mode_warnings
+from mecano.analyses.small_motion_warnings import (
+    STEADY,
+    accuracy_warnings,
+    imbalance_warnings,
+    noticed,
+    slow_mode_warnings,
+    slowest,
+)
 from mecano.analyses.source import source_of
 from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents
@@ -136,7 +143,7 @@ class Case:
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
         found = call_interruptibly(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
-        self.variation = max(self.variation, lin.variation)
+        self.variation = max(self.variation, noticed(lin, slowest(found.values)))
         self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))
         for text in (
             *base.warnings,

@@ -179,7 +179,7 @@ def scaled(shape: np.ndarray, root: np.ndarray) -> np.ndarray:
 def freedom_text(system: "System", s: "State", stability: Stability, length: float) -> str:
     """Return as text the number of unstable or neutral directions of a state, and its softest motion."""
     if stability.shape is None:
-        return "no singularity of the tangent was detected there"
+        return "undetermined stability" if stability.unstable == UNKNOWN else "stable"
     motion = motion_text(system, s, stability.shape, length)
     if stability.unstable > 0:
         return f"{stability.unstable} unstable direction(s); the most unstable motion: {motion}"
