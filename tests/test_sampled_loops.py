@@ -6,9 +6,11 @@ from scipy.signal import cont2discrete
 from time_runs import deck
 
 from mecano.analyses.control_stability import instability_warnings
+from mecano.analyses.dynamic import run
 from mecano.analyses.margins import LoopRequest, margins
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.sample_decks import starter
+from mecano.errors import ConvergenceError
 
 M, K, C = np.diag([2.0, 3.0]), np.array([[80.0, -30.0], [-30.0, 30.0]]), np.array([[5.0, -2.0], [-2.0, 2.0]])
 GAINS = np.array([[40.0, 0.0, 15.0, 0.0], [0.0, 60.0, 0.0, 20.0]])  # of displacements, then velocities
@@ -141,3 +143,24 @@ def test_the_starter_of_a_robot_arm_has_the_gain_margin_of_its_reflected_inertia
     found = margins(deck(starter("robot_arm")), None, LoopRequest(signal="held_1", low=10.0, high=125.0))[1]
     assert found.growing == 0
     assert found.gain == pytest.approx((2.0 * 1.0 / (280 * 0.004), 125.0), rel=0.01)
+
+
+def test_a_run_that_fails_says_that_its_control_was_unstable_from_the_start(tmp_path):
+    """A wheel whose rate is fed back with the wrong sign grows by e in 5 ms until no step is short enough."""
+    text = """
+mecano: 1
+gravity: none
+nodes: {wheel: {position: [0, 0, 0]}}
+elements: {wheel: {type: rigid_body, node: wheel, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+joints: {pin: {type: hinge, nodes: [ground, wheel], axis: [0, 1, 0]}}
+signals: {torque: 20*pin.rate + 1}
+loads: {motor: {type: joint_moment, joint: pin, value: torque}}
+time: {end: 2, step: 1 ms, adaptive: {tolerance: 1.0e-4, minimum_step: 0.1 ms}}
+"""
+    with pytest.raises(ConvergenceError, match="the smallest allowed") as failed:
+        run(deck(text), tmp_path / "a.h5")
+    last = str(failed.value).splitlines()[-1]
+    assert last.startswith(
+        "warning: because of the signals, small motions about the start grow by the factor e in 0.005 s"
+    )
+    assert last.endswith("Motions that grow need ever shorter steps: mend this first")

@@ -1,7 +1,7 @@
 """Warn of controllers that make a mechanism unstable, from its modes at the start with and without signals."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ DENSE = 100  # motions up to which all modes are computed before a run
 MOST, NEAREST = 5000, 20  # motions of larger models, of which the modes nearest to zero are computed; their number
 ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
 SAMPLED = 200  # motions up to which samples are examined
+BEGINNING = "because of the signals, small motions about the start grow"  # of the warning
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
 
@@ -61,10 +62,16 @@ def _grows(fastest: complex, period: float | None) -> str:
             f"their samples, every {period:.3g} s, make it grow: is a gain too large, or the period too long? "
             "`mecano margins --open-loop NAME` tells by how much"
         )
-    return (
-        f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
-        f"{as_what}: {question}"
-    )
+    return f"{BEGINNING} by the factor e in {1.0 / fastest.real:.3g} s{as_what}: {question}"
+
+
+def causes_of_failure(warnings: Iterable[str]) -> list[str]:
+    """Return what a failure of a run says about these ``warnings`` of its start that its controllers are unstable."""
+    return [
+        f"warning: {text}. Motions that grow need ever shorter steps: mend this first"
+        for text in warnings
+        if text.startswith(BEGINNING)
+    ]
 
 
 def _samplers(prepared: "Prepared") -> "list[Sampler]":

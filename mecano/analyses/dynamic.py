@@ -288,10 +288,12 @@ class Ongoing:
             with recorder.emptied():
                 self.state = self.integrator.to(t, self.state, self._memory_with(given) if given else None)
         except (ConvergenceError, NonFiniteError) as error:
+            from mecano.analyses.control_stability import causes_of_failure  # most runs do not fail
+
             known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
             latches = open_latch_warnings(deck, recorder.row, sampler)
             turning = unstable_turning_warnings(deck.values["time"], sampler, recorder.writer.extremes)
-            after = [*latches, *(f"warning: {text}" for text in turning)]
+            after = [*latches, *(f"warning: {text}" for text in turning), *causes_of_failure(self._notes)]
             raise type(error)("\n".join([failure_text(error, deck, known), *after])) from error
 
     def _memory_with(self, given):
