@@ -9,7 +9,8 @@ from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post.columns import columns_of
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.measured import read_measured, with_measured
-from mecano.post.pictures import post, requested_sheets
+from mecano.post.pictures import post
+from mecano.post.request import requested_sheets
 from mecano.post.runs import opened_runs
 
 
@@ -38,7 +39,7 @@ def table(folder, text):
 
 
 def points(run, path, *plots):
-    [sheet] = with_measured(requested_sheets(plots, (), [run]), read_measured(path, run))
+    [sheet] = with_measured(requested_sheets(plots, [run]), read_measured(path, run))
     return sheet, [curve for curve in sheet.curves if curve.measured]
 
 
@@ -88,7 +89,7 @@ def test_a_file_that_cannot_be_read(turned, tmp_path):
 def test_a_single_signal_has_no_legend(turned):
     """Its name is the label of the axis."""
     with opened_runs([turned]) as [run]:
-        [sheet] = requested_sheets(["turned"], (), [run])
+        [sheet] = requested_sheets(["turned"], [run])
         assert not CurveStyles(sheet).legend(sheet.panels[0])
 
 

@@ -18,6 +18,7 @@ from mecano.post import report_page
 from mecano.post.report import Picture, Table, Text, _solver_history, report_of
 from mecano.post.report_page import page_of, write_report
 from mecano.post.runs import open_runs
+from mecano.post.spectrum import Transforms
 from mecano.post.style import COLOURS, GREY, INK, LIMIT
 from mecano.post.verdict import is_sound, verdict
 from mecano.results.layout import Layout, Series
@@ -258,7 +259,7 @@ def test_the_pictures_are_those_of_post(report):
 
 
 def test_pictures_that_are_asked_for_come_first(path):
-    asked = report_of(open_runs([path])[0], None, ["one_spring_damper.force"], ["one_spring_damper.rate"])
+    asked = report_of(open_runs([path])[0], None, ["one_spring_damper.force"], Transforms(["one_spring_damper.rate"]))
     shown = [part.title for section in asked.sections for part in section.parts if isinstance(part, Picture)]
     assert shown[1] == "one_spring_damper.force over time" and shown[2].startswith("Amplitudes over the frequency")
 

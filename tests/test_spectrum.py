@@ -6,7 +6,7 @@ import pytest
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.pictures import post
 from mecano.post.runs import open_runs
-from mecano.post.spectrum import Window, amplitudes, densities, density_sheet, spectrum_sheet
+from mecano.post.spectrum import Transforms, Window, amplitudes, densities, density_sheet, spectrum_sheet
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
@@ -56,7 +56,7 @@ def test_the_picture_names_the_peak(tmp_path):
     [panel] = shown.panels
     assert panel.note == "2 N at 10 Hz" and panel.logarithmic and not panel.over_time
     assert "Hann window, mean removed, a line every 0.5 Hz" in shown.heading
-    picture, columns = post([path], spectra=["spring.force"], columns=True)
+    picture, columns = post([path], transforms=Transforms(["spring.force"]), columns=True)
     assert (picture.name, columns.name) == ("sine_spectrum_spring.force.png", "sine_spectrum_spring.force.csv")
     assert columns.read_text().startswith("frequency [Hz],elements.spring.force [N]\n0.5,")
 
@@ -77,7 +77,7 @@ def test_only_the_values_between_two_times(tmp_path):
     with pytest.raises(UsageError, match="has 0 values to -1 s: too few"):
         spectrum_sheet("spring.force", open_runs([path]), Window(end=-1.0))
     with pytest.raises(UsageError, match="--from, --to: only with --spectrum or --density"):
-        [*post([path], begin=1.0)]
+        [*post([path], transforms=Transforms(window=Window(1.0)))]
 
 
 def test_errors_of_spectra(tmp_path):
@@ -137,7 +137,7 @@ def test_the_picture_of_a_density_names_the_root_mean_square(tmp_path):
     shown = density_sheet("spring.force", open_runs([path]))
     [panel] = shown.panels
     assert panel.note == "root mean square 1.41 N" and panel.curves[0].y.unit == "N2/Hz" and panel.decades
-    [picture] = post([path], densities=["spring.force"])
+    [picture] = post([path], transforms=Transforms(densities=["spring.force"]))
     assert picture.name == "sine_density_spring.force.png"
     with pytest.raises(UsageError, match="--density 'spring.force:spring.force' is over the frequency"):
         density_sheet("spring.force:spring.force", open_runs([path]))

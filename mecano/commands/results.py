@@ -19,8 +19,32 @@ class Pictures(NamedTuple):
     below: float | None
     measured: str | None
     above: float | None
+
+    def drawn(self):
+        """Return them as parameters of ``pictures.post``."""
+        given = self._asdict()
+        return given | {"band": (given.pop("above"), given.pop("below"))}
+
+
+class Transformed(NamedTuple):
+    """Options of spectra and densities."""
+
+    spectra: tuple[str, ...]
+    densities: tuple[str, ...]
     begin: float | None
     end: float | None
+
+    def transforms(self):
+        """Return the Transforms of ``pictures.post``."""
+        from mecano.post.spectrum import Transforms, Window
+
+        return Transforms(self.spectra, self.densities, Window(self.begin, self.end))
+
+    def given(self):
+        """Return the names of the options that are given."""
+        window = self.begin is not None or self.end is not None
+        given = {"--spectrum": self.spectra, "--density": self.densities, "--from, --to": window}
+        return ", ".join(option for option, value in given.items() if value)
 
 
 class Pages(NamedTuple):
@@ -64,13 +88,12 @@ class Pages(NamedTuple):
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
 @click.option("--force", is_flag=True, help="Also replace films, and files that mecano has not written.")
 @plugins
-@grouped(pictures=Pictures, pages=Pages)
+@grouped(transformed=Transformed, pictures=Pictures, pages=Pages)
 def post(
     results: tuple[str, ...],
     plots: tuple[str, ...],
-    spectra: tuple[str, ...],
-    densities: tuple[str, ...],
     title: str | None,
+    transformed: Transformed,
     pictures: Pictures,
     pages: Pages,
     force: bool,
@@ -92,16 +115,16 @@ def post(
     _refuse_names(results, plots)
     if any(pages):
         _refuse_strays(results, pictures)
-    for option, given in (("--spectrum", spectra), ("--density", densities)):
-        if pages.page and given and not pages.report:
-            raise click.UsageError(f"{option}: the page of --animate has plots over time only")
+    if pages.page and not pages.report and (given := transformed.given()):
+        raise click.UsageError(f"{given}: the page of --animate has plots over time only")
     with _reading(*results):
         if any(pages):
-            _write_pages(results[0], plots, (spectra, densities), title, pages, force)
+            _write_pages(results[0], plots, transformed, title, pages, force)
         else:
             from mecano.post.pictures import post as draw
 
-            for path in draw(results, plots, spectra, densities, title=title, force=force, **pictures._asdict()):
+            options = {"transforms": transformed.transforms(), "title": title, "force": force} | pictures.drawn()
+            for path in draw(results, plots, **options):
                 click.echo(path)
 
 
@@ -137,7 +160,7 @@ def _refuse_names(results, plots):
             )
 
 
-def _write_pages(results, plots, transforms, title, pages, force):
+def _write_pages(results, plots, transformed, title, pages, force):
     """Write a page of the motion, a report, or both, of one results file."""
     from mecano.results.whole_file import refuse_foreign
 
@@ -150,7 +173,7 @@ def _write_pages(results, plots, transforms, title, pages, force):
     if pages.report:
         from mecano.post.report_page import write_report
 
-        click.echo(write_report(results, pages.report, title, plots, *transforms))
+        click.echo(write_report(results, pages.report, title, plots, transformed.transforms()))
 
 
 def _refuse_strays(results, pictures):
@@ -159,7 +182,6 @@ def _refuse_strays(results, pictures):
         raise click.UsageError("--animate and --report take one results file")
     given = pictures._asdict()
     given |= {"format": given.pop("kind") != "png", "csv": given.pop("columns")}
-    given |= {"from": given.pop("begin") is not None, "to": given.pop("end") is not None}
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")

@@ -107,7 +107,7 @@ class Results(reader.Results):
         from mecano.post.figure import overview_figure, sheet_figure
         from mecano.post.info import one_line
         from mecano.post.overview import overview
-        from mecano.post.pictures import requested_sheets
+        from mecano.post.request import requested_sheets
         from mecano.post.runs import Run
         from mecano.post.sheet import Panel
         from mecano.post.sheets import default_sheets
@@ -122,7 +122,7 @@ class Results(reader.Results):
             if not sheets:
                 raise UsageError("nothing moves and no force acts in these results; ask for a plot by name")
             return Plot(overview_figure(overview(sheets), heading, one_line([run])))
-        sheets = requested_sheets(names, (), [run])
+        sheets = requested_sheets(names, [run])
         panels = tuple(panel for sheet in sheets for panel in sheet.panels if isinstance(panel, Panel))
         return Plot(sheet_figure(replace(sheets[0], panels=panels, heading=", ".join(names)), heading))
 

@@ -20,7 +20,7 @@ from mecano.post.deformation import quaternions
 from mecano.post.event_marks import event_marks
 from mecano.post.overview import overview
 from mecano.post.quantity import SAVED
-from mecano.post.request import Request, requested_sheet
+from mecano.post.request import requested_sheets
 from mecano.post.runs import Run, opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
@@ -162,7 +162,7 @@ def _shape(scene, i):
 def _panels(run, plots):
     """Return panels of curves over time as plain data."""
     if plots:
-        sheets = [requested_sheet(Request.parse(text), [run]) for text in plots]
+        sheets = requested_sheets(plots, [run])
     else:
         sheets = [overview(standard)] if (standard := default_sheets([run])) else []
     found = [panel for sheet in sheets for panel in sheet.panels]

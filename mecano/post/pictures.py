@@ -1,7 +1,7 @@
 """Pictures and tables of results files, written to files."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,10 +16,10 @@ from mecano.post.measured import read_measured, with_measured
 from mecano.post.mode_shapes import modes_figure
 from mecano.post.nyquist import margins_figure
 from mecano.post.overview import overview
-from mecano.post.request import Request, requested_sheet
-from mecano.post.runs import Run, opened_runs
+from mecano.post.request import requested_sheets
+from mecano.post.runs import opened_runs
 from mecano.post.sheets import default_sheets
-from mecano.post.spectrum import ALL, Window, density_sheet, spectrum_sheet
+from mecano.post.spectrum import ALL, NO_TRANSFORMS, Transforms
 from mecano.post.study_plots import study_figure
 from mecano.post.study_requests import requested_figures
 from mecano.results import margins_file, modes_file, response_file, study_file, sweep_file
@@ -28,8 +28,6 @@ from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from mecano.post.sheet import Sheet
 
 FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
@@ -47,36 +45,35 @@ LONGEST_STEM = 60
 def post(
     paths: Sequence[str | os.PathLike[str]],
     plots: Sequence[str] = (),
-    spectra: Sequence[str] = (),
-    densities: Sequence[str] = (),
     *,
+    transforms: Transforms = NO_TRANSFORMS,
+    measured: str | os.PathLike[str] | None = None,
+    at: str | None = None,
+    band: tuple[float | None, float | None] = (None, None),
     output: str | os.PathLike[str] | None = None,
     kind: str = "png",
     columns: bool = False,
     title: str | None = None,
-    at: str | None = None,
-    below: float | None = None,
-    measured: str | os.PathLike[str] | None = None,
-    above: float | None = None,
-    begin: float | None = None,
-    end: float | None = None,
     force: bool = False,
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, responses, margins, sweeps and studies are drawn one by one; ``spectra``, ``densities``,
-    ``columns``, ``title`` and ``at`` are for results of runs only, ``plots`` also for outputs and varied values of
-    studies.
+    Files of modes, responses, margins, sweeps and studies are drawn one by one, without ``transforms``, ``measured``,
+    ``at``, ``columns`` and ``title``; of these, only studies have ``plots``, of outputs and varied values.
 
     Parameters
     ----------
     paths : sequence of str or Path
     plots : sequence of str
-        "Y[,Y2]:X"; without any plot, spectrum or times, the standard plots for the model.
-    spectra : sequence of str
-        "Y[,Y2]": amplitudes over the frequency.
-    densities : sequence of str
-        "Y[,Y2]": power spectral densities.
+        "Y[,Y2]:X"; without plots, transforms, measured outputs and times, the standard plots for the model.
+    transforms : Transforms
+    measured : str or Path
+        CSV file of measured outputs (measured.py), drawn as points into the ``plots``; without any, its columns are
+        plotted over the first.
+    at : str
+        Times [s] separated by commas: a picture for each file of the configurations at these times.
+    band : (float, float)
+        Frequencies [Hz] between which the picture of a sweep shows modes; by default ``loci.shown_modes``.
     output : str or Path
         A folder (existing or ending with /), or the prefix of the names of the pictures or, for one plot, its whole
         name ending with .png or .svg; by default the results file without its extension.
@@ -85,16 +82,6 @@ def post(
         Also write the numbers, as comma-separated values next to each picture.
     title : str
         Title of the pictures; by default that of the deck.
-    at : str
-        Times [s] separated by commas: a picture for each file of the configurations at these times, in addition to the
-        ``plots``.
-    below, above : float
-        Frequencies [Hz] between which the picture of a sweep shows modes; by default ``loci.shown_modes``.
-    measured : str or Path
-        CSV file of measured outputs (measured.py), drawn as points into the ``plots``; without any, its columns are
-        plotted over the first.
-    begin, end : float
-        Times [s] between which values are transformed, of ``spectra`` and ``densities``; by default all.
     force : bool
         Also replace pictures and tables that mecano has not written.
 
@@ -106,14 +93,12 @@ def post(
         A file cannot be read, or a picture cannot be written.
     """
     formats = {path: format_of(path) for path in paths}
-    of_runs = {"--spectrum": spectra, "--density": densities, "--at": at, "--csv": columns, "--title": title}
-    _refuse_together(formats, plots, of_runs | {"--measured": measured})
-    band = {name: value for name, value in (("below", below), ("above", above)) if value is not None}
-    if band and {*formats.values()} != {sweep_file.FORMAT}:
-        raise UsageError(f"--{next(iter(band))}: only for files of `mecano modes --sweep`")
-    window = Window(begin, end)
-    if window != ALL and not (spectra or densities):
-        raise UsageError("--from, --to: only with --spectrum or --density")
+    of_runs = {
+        "--spectrum": transforms.spectra, "--density": transforms.densities, "--from, --to": transforms.window != ALL,
+        "--at": at, "--csv": columns, "--title": title, "--measured": measured,
+    }  # fmt: skip
+    _refuse_together(formats, plots, of_runs)
+    _refuse_band(formats, band)
     if ALONE.keys() & formats.values():
         yield from (
             _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, band, force)
@@ -121,20 +106,16 @@ def post(
         return
     with opened_runs(paths) as runs:
         points = read_measured(measured, runs[0]) if measured else None
-        pictures, times = _pictures(runs, plots, (spectra, densities, window), at, points)
+        pictures, times = _pictures(runs, plots, transforms, at, points)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
 
 
-def _pictures(runs, plots, transformed, at, points):
-    """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations.
-
-    ``transformed``: spectra, densities, and the Window of both.
-    """
+def _pictures(runs, plots, transforms, at, points):
+    """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
     plots = plots or (points.plots() if points else ())
-    spectra, densities, window = transformed
-    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs, densities, window)
+    times, requested = times_of(at) if at else [], requested_sheets(plots, runs) + transforms.sheets(runs)
     if points:
         requested = with_measured(requested, points)
     return [(sheet, sheet_figure) for sheet in requested] if requested or times else _default_pictures(runs), times
@@ -157,22 +138,6 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
             yield table
 
 
-def requested_sheets(
-    plots: Iterable[str],
-    spectra: Iterable[str],
-    runs: Sequence[Run],
-    densities: Iterable[str] = (),
-    window: Window = ALL,
-) -> "list[Sheet]":
-    """Return the Sheets of ``plots`` "Y[,Y2]:X", ``spectra`` and ``densities`` "Y[,Y2]" in a Window.
-
-    Raises UsageError, UnknownNameError.
-    """
-    plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
-    transformed = [spectrum_sheet(text, runs, window) for text in spectra]
-    return plotted + transformed + [density_sheet(text, runs, window) for text in densities]
-
-
 def _refuse_together(formats, plots, of_runs):
     """Raise UsageError if files other than results of runs come with such results, or with options of runs.
 
@@ -190,6 +155,13 @@ def _refuse_together(formats, plots, of_runs):
         raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
 
 
+def _refuse_band(formats, band):
+    """Raise UsageError for a band of frequencies without a sweep."""
+    given = [name for name, value in zip(("--above", "--below"), band, strict=True) if value is not None]
+    if given and {*formats.values()} != {sweep_file.FORMAT}:
+        raise UsageError(f"{', '.join(given)}: only for files of `mecano modes --sweep`")
+
+
 def _of_others(paths, output, kind, band, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
@@ -199,7 +171,7 @@ def _of_others(paths, output, kind, band, force):
         target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
         target = target or Path(path).with_suffix(f".{kind}")
         refuse_foreign(target, force)
-        yield draw_alone(path, target, **band)
+        yield draw_alone(path, target, above=band[0], below=band[1])
 
 
 def draw_alone(path: str | os.PathLike[str], target: Path | None = None, **band: float | None) -> Path:

@@ -15,8 +15,9 @@ from mecano.post.extremes import notable
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
 from mecano.post.overview import overview
-from mecano.post.pictures import requested_sheets
+from mecano.post.request import requested_sheets
 from mecano.post.sheets import default_sheets
+from mecano.post.spectrum import NO_TRANSFORMS, Transforms
 from mecano.post.verdict import is_sound, verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
@@ -95,20 +96,16 @@ class Report:
 
 
 def report_of(
-    run: "Run",
-    title: str | None = None,
-    plots: Sequence[str] = (),
-    spectra: Sequence[str] = (),
-    densities: Sequence[str] = (),
+    run: "Run", title: str | None = None, plots: Sequence[str] = (), transforms: Transforms = NO_TRANSFORMS
 ) -> Report:
-    """Return the Report of a run; ``plots``, ``spectra``, ``densities``, as for ``mecano post``, come first.
+    """Return the Report of a run; ``plots`` and ``transforms``, as for ``mecano post``, come first.
 
     Raises ResultsError if there are no saved times, UsageError and UnknownNameError for invalid plots.
     """
     results = run.results
     if not len(results.time):
         raise ResultsError(f"{results.path}: no saved times yet")
-    requested, sheets = requested_sheets(plots, spectra, [run], densities), default_sheets([run])
+    requested, sheets = requested_sheets(plots, [run]) + transforms.sheets([run]), default_sheets([run])
     sections = (
         Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),

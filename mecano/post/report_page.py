@@ -13,6 +13,7 @@ from mecano.errors import UsageError
 from mecano.post.figure import save
 from mecano.post.report import Picture, Report, Table, report_of
 from mecano.post.runs import opened_runs
+from mecano.post.spectrum import NO_TRANSFORMS, Transforms
 from mecano.post.study_report import study_report
 from mecano.results import study_file
 from mecano.results.opening import format_of
@@ -27,12 +28,11 @@ def write_report(
     page: "str | os.PathLike[str]",
     title: str | None = None,
     plots: Sequence[str] = (),
-    spectra: Sequence[str] = (),
-    densities: Sequence[str] = (),
+    transforms: Transforms = NO_TRANSFORMS,
 ) -> Path:
     """Write the report on a results file, or on the table of a study, to ``page``, and return its Path.
 
-    ``plots``, ``spectra`` and ``densities``, as for ``mecano post``, are shown before the standard plots.
+    ``plots`` and ``transforms``, as for ``mecano post``, are shown before the standard plots.
 
     Raises
     ------
@@ -44,20 +44,20 @@ def write_report(
     page = Path(page)
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--report {page}: the name of a page ends with .html")
-    text = page_of(_report(path, title, plots, spectra, densities))
+    text = page_of(_report(path, title, plots, transforms))
     make_folder(page.parent)
     with atomic_file(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
 
 
-def _report(path, title, plots, spectra, densities):
+def _report(path, title, plots, transforms):
     if format_of(path) == study_file.FORMAT:
-        if plots or spectra or densities:
+        if plots or transforms != NO_TRANSFORMS:
             raise UsageError("--plot, --spectrum and --density are of runs, not of the table of a study")
         return study_report(path, title)
     with opened_runs([path]) as [run]:
-        return report_of(run, title, plots, spectra, densities)
+        return report_of(run, title, plots, transforms)
 
 
 def page_of(report: Report) -> str:

@@ -44,6 +44,11 @@ class Request:
         return re.sub(r"[^A-Za-z0-9_.-]+", "_", whole).strip("_")[:LONGEST_NAME] or "plot"
 
 
+def requested_sheets(plots: Iterable[str], runs: "Sequence[Run]") -> list[Sheet]:
+    """Return the Sheets of ``plots`` "Y[,Y2]:X". Raises UsageError, UnknownNameError."""
+    return [requested_sheet(Request.parse(text), runs) for text in plots]
+
+
 def requested_sheet(request: Request, runs: "Sequence[Run]") -> Sheet:
     """Return the Sheet of a Request. Raises UnknownNameError, UsageError, ResultsError.
 

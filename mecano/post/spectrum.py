@@ -52,6 +52,24 @@ class Window(NamedTuple):
 ALL = Window()
 
 
+class Transforms(NamedTuple):
+    """Quantities "Y[,Y2]" to transform: amplitude ``spectra`` and power spectral ``densities``, in a window of time."""
+
+    spectra: Sequence[str] = ()
+    densities: Sequence[str] = ()
+    window: Window = ALL
+
+    def sheets(self, runs: "Sequence[Run]") -> list[Sheet]:
+        """Return the Sheet of each of the spectra, then of the densities. Raises UsageError, UnknownNameError."""
+        if self.window != ALL and not (self.spectra or self.densities):
+            raise UsageError("--from, --to: only with --spectrum or --density")
+        drawn = [spectrum_sheet(text, runs, self.window) for text in self.spectra]
+        return drawn + [density_sheet(text, runs, self.window) for text in self.densities]
+
+
+NO_TRANSFORMS = Transforms()
+
+
 def spectrum_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sheet:
     """Return the Sheet of the amplitudes of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError.
 
