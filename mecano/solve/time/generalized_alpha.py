@@ -327,7 +327,7 @@ class GeneralizedAlpha:
         if history.tangent is not None and self.linear.label is not history.tangent:
             self._factor(history.tangent, self._scales(history, h))
         self.workspace.put_state(BEGIN, s0)
-        if not self.workspace.record["knows_light"][0]:
+        if self.tolerance < np.inf and not self.workspace.record["knows_light"][0]:
             self._light.enter(self.workspace)
         self._enter(history, h)
 
