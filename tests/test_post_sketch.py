@@ -1,6 +1,7 @@
 """Views of mechanisms: shapes, plane or eye, instants, ground."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import every_kind
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from mecano.elements import KINDS
 from mecano.post.draw_sketch import draw_sketch, hull, zigzag
 from mecano.post.ground import ground_patch
+from mecano.post.mode_shapes import MOST_TURN, _title, mode_sketches
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, MASS, SPRING, SUPPORT, WHEEL, Shape
 from mecano.post.sketch import _instants, _shift, plane_axes, sketch
@@ -163,3 +165,33 @@ def test_the_compass_is_beside_the_mechanism(runs, width):
     letters = [text.get_window_extent() for text in ax.texts if text.get_text() in ("x", "y", "z")]
     left = min(line.get_window_extent().x0 for line in ax.lines)
     assert len(letters) == 3 and all(0.0 < box.x0 and box.x1 < left for box in letters)
+
+
+def test_a_mode_in_which_a_wheel_spins_shows_it_round_and_from_the_side():
+    """A hub that hardly moves: the largest displacement does not give the amplitude, and the rim turns exactly."""
+    still, spin = np.array([[0.0, 0.0, 1e-3]], complex), np.array([[0.0, 1.0, 0.0]], complex)
+    nodes = {
+        "hub": {"position": np.array([0.0, 0.4, 0.3]), "translation": still, "rotation": spin},
+        "frame": {"position": np.array([1.0, 0.0, 0.3]), "translation": 0.0 * still, "rotation": 0.0 * spin},
+    }
+    wheel = {"type": "wheel", "node": "hub", "axis": [0.0, 1.0, 0.0], "radius": 0.3, "ground": "road"}
+    road = {"plane": {"point": [0.0, 0.0, -1.0], "normal": [0.0, 0.0, 1.0]}}
+    file = SimpleNamespace(
+        nodes=nodes, inner={}, released=(), values=np.zeros(1), displays={"wheel": SimpleNamespace(shape="wheel")},
+        resolved={"elements": {"wheel": wheel}, "nodes": {name: {} for name in nodes}, "grounds": {"road": road}},
+    )  # fmt: skip
+    [drawn] = mode_sketches(file)
+    [shape] = drawn.shapes
+    np.testing.assert_allclose(np.linalg.norm(shape.points[:, :-1] - shape.points[:, -1:], axis=2), 0.3, rtol=1e-12)
+    first, last = shape.points[0, 0] - shape.points[0, -1], shape.points[-1, 0] - shape.points[-1, -1]
+    assert first @ last / 0.09 == pytest.approx(np.cos(2.0 * MOST_TURN), abs=1e-12)
+    assert drawn.axes == (0, 2)
+
+
+def test_the_node_that_turns_is_in_a_second_line_of_a_long_title():
+    nodes = {name: {"translation": np.zeros((1, 3)), "rotation": np.ones((1, 3))} for name in ("front_right_hub",)}
+    numbers = {"frequency": [27.364], "damping_ratio": [0.452]}
+    file = SimpleNamespace(nodes=nodes, kinds=["oscillation"], converged=[True], numbers=numbers)
+    assert _title(file, 0) == "mode 1: 27.364 Hz, damping 0.452,\nfront_right_hub turns"
+    file.nodes = {"hub": nodes["front_right_hub"]}
+    assert _title(file, 0) == "mode 1: 27.364 Hz, damping 0.452, hub turns"

@@ -26,8 +26,11 @@ if TYPE_CHECKING:
 
 HARDLY = 0.05  # of the largest motion: displacements that hardly count beside rotations
 AMPLITUDE = 0.12  # of the size of the mechanism
+MOST_TURN = 1.2  # rad: largest rotation of what is drawn as turning, as a wheel
+TURNING = ("wheel", "wheel_on_body", "gears", "contact", "curve")
+LONGEST_TITLE = 44  # characters in a line
 PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
-MOTION_COUNTS = 4.0  # weight of motion over extent in the choice of the plane
+MOTION_COUNTS = 0.5  # weight of motion over extent in the choice of the plane, each relative to its largest
 COLUMNS, PANEL = 3, (4.2, 3.2)  # inches
 NO_SHAPES = "nothing moves, so there are no shapes to draw"
 
@@ -75,9 +78,12 @@ class ModeMotion:
         return values["position"] + np.real(self._turns[:, None, None] * values["translation"][self.mode])
 
     def turned(self, node: str, direction: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Return an inertial direction (3,) of the state, rotated with the node to first order: (phases, 3)."""
+        """Return an inertial direction (3,) of the state, rotated with the node by finite angles: (phases, 3)."""
         rotation = np.real(self._turns[:, None] * self.file.nodes[node]["rotation"][self.mode])
-        return direction + np.cross(rotation, direction)
+        angle = np.linalg.norm(rotation, axis=1, keepdims=True)
+        axis = rotation / np.where(angle > 0.0, angle, 1.0)
+        across = np.cross(axis, direction)
+        return direction + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
 
     def vector(self, path: str) -> NoReturn:
         """Raise ResultsError, as a file of modes has no outputs."""
@@ -85,7 +91,7 @@ class ModeMotion:
 
 
 def mode_sketches(file: ModesFile) -> list[Sketch]:
-    """Return a Sketch for each mode of a ModesFile at PHASES; the largest displacement is AMPLITUDE of the size."""
+    """Return a Sketch for each mode of a ModesFile at PHASES, with ``amplitude_of``."""
     things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
     paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
     run = SimpleNamespace(deck=file.resolved, things=things, paths=paths, display=lambda d: file.displays[d["type"]])
@@ -93,11 +99,15 @@ def mode_sketches(file: ModesFile) -> list[Sketch]:
 
 
 def amplitude_of(file: ModesFile, mode: int) -> float:
-    """Return the factor of a shape by which its largest displacement is AMPLITUDE of the size of the mechanism."""
+    """Return the factor of a shape by which its largest displacement is AMPLITUDE of the size of the mechanism.
+
+    It is less where a wheel would turn by more than MOST_TURN.
+    """
     positions, moves = _places_and_moves(file, mode)
     size = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
     largest = float(np.abs(moves).max(initial=0.0))
-    return AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE
+    amplitude = AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE
+    return min(amplitude, MOST_TURN / max(_largest_turn(file, mode), 1e-9))
 
 
 def _places_and_moves(file, mode):
@@ -114,14 +124,30 @@ def _sketch(run, file, mode):
     """Return the Sketch of a mode in the plane of largest motion and extent."""
     positions, moves = _places_and_moves(file, mode)
     amplitude = amplitude_of(file, mode)
-    extent = np.ptp(positions, axis=0) + MOTION_COUNTS * amplitude * np.abs(moves).max(axis=0)
-    first, second = sorted(np.argsort(-extent, kind="stable")[:2])
     drawn = tuple(shapes(ModeMotion(run, file, mode, amplitude)))
+    motion = [amplitude * np.abs(moves).max(axis=0), *(0.5 * np.ptp(s.points, axis=0).max(axis=0) for s in drawn)]
+    seen = _relative(np.ptp(positions, axis=0)) + MOTION_COUNTS * _relative(np.max(motion, axis=0))
+    first, second = sorted(np.argsort(-seen, kind="stable")[:2])
     return Sketch("", (int(first), int(second)), np.degrees(PHASES), drawn, np.zeros((len(PHASES), 2)), (), ())
 
 
+def _relative(extents):
+    """Return extents (3,) relative to the largest one."""
+    return extents / (extents.max() or 1.0)
+
+
+def _largest_turn(file, mode):
+    """Return the largest rotation of a node with something drawn as TURNING, in the scale of the mode."""
+    things = [d for section in SECTIONS for d in file.resolved.get(section, {}).values()]
+    turning = [d for d in things if file.displays[d["type"]].shape in TURNING]
+    nodes = {node for d in turning for node in (d.get("node"), *d.get("nodes", ())) if node in file.nodes}
+    return max((float(np.linalg.norm(file.nodes[node]["rotation"][mode])) for node in nodes), default=0.0)
+
+
 def _title(file, mode):
-    return named_mode(file, mode) + ("" if file.converged[mode] else ", not converged") + _turning(file, mode)
+    """Return the title of a mode, with the node that turns in a second line if one is too short for it."""
+    text, turns = named_mode(file, mode) + ("" if file.converged[mode] else ", not converged"), _turning(file, mode)
+    return text + (turns if len(text + turns) <= LONGEST_TITLE else turns.replace(", ", ",\n", 1))
 
 
 def _turning(file, mode):
