@@ -17,7 +17,7 @@ from mecano.post import film
 from mecano.post.animation import animate
 from mecano.post.runs import opened_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import ROD, Shape
+from mecano.post.shapes import BODY, ROD, Shape
 
 SHOWN = {name: KINDS[name] for name in ("beam", "wheel", "hinge")}
 
@@ -66,6 +66,20 @@ def test_all_pieces_of_an_element_have_its_colour(path):
         picture.show(frame)
         [line] = picture._lines.values()
         np.testing.assert_array_equal(line.get_colors(), [first] * 4 + [second] * 4)
+
+
+def test_a_body_is_a_closed_outline_around_its_points(path):
+    """A square whose corners are listed across, with a point inside."""
+    with opened_runs([path]) as [run]:
+        scene = scene_of(run, 2)
+    corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.4), (0.0, 0.0, 1.0)])
+    scene = replace(scene, shapes=[Shape(BODY, "plate", corners[None].repeat(2, axis=0))], colours=[{}], ranges=[])
+    picture = film._Picture(scene, Figure().add_subplot(), "")
+    picture.show(0)
+    segments = next(iter(picture._lines.values())).get_segments()
+    assert len(segments) == 4 and np.array_equal(segments[0][0], segments[-1][1])
+    ends = {tuple(np.round(segment[0], 9)) for segment in segments}
+    assert ends == {tuple(np.round(picture._flat(corners[i]), 9)) for i in (0, 1, 2, 4)}
 
 
 def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_path, monkeypatch):

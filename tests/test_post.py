@@ -26,6 +26,7 @@ from mecano.post.animation import animate
 from mecano.post.configurations import configurations_figure
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
+from mecano.post.draw_sketch import line_of
 from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import notable
 from mecano.post.info import info
@@ -597,9 +598,9 @@ def test_configurations_that_travel_far_are_drawn_about_their_middle():
 
 def test_configurations_show_bodies_with_more_than_two_points_as_outlines():
     square = np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.6, 0.5], [1.0, 0.0]])
-    line = configurations._line(Shape(BODY, "plate", square[None]), square)
+    line = line_of(Shape(BODY, "plate", square[None]), square)
     assert line.tolist() == [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
-    np.testing.assert_array_equal(configurations._line(Shape(CABLE, "rope", square[None]), square), square)
+    np.testing.assert_array_equal(line_of(Shape(CABLE, "rope", square[None]), square), square)
 
 
 def test_configurations_show_ground_and_axes_and_say_whose_they_are(runs):

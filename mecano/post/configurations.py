@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
-from mecano.post.draw_sketch import draw_compass, draw_patch, hull
+from mecano.post.draw_sketch import draw_compass, draw_patch, line_of
 from mecano.post.figure import plain_figure
 from mecano.post.ground import ground_patch
-from mecano.post.shapes import BODY, CABLE, GUIDE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
+from mecano.post.shapes import CABLE, GUIDE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
 from mecano.post.sketch import FLAT, plane_axes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 from mecano.post.view_direction import direction, projection
@@ -64,7 +64,7 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            seen = [(shape.style in (CABLE, GUIDE), _line(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
+            seen = [(shape.style in (CABLE, GUIDE), line_of(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
             _draw(ax, [(thin, line - shift[i]) for thin, line in seen])
             for outline in patches[i]:
                 draw_patch(ax, outline - shift[i])
@@ -118,14 +118,6 @@ def _named(saved, requested):
     """Return a text with the time drawn, and the time requested if they differ."""
     shown, wanted = f"t = {saved:.4g} s", f"{requested:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
-
-
-def _line(shape, points):
-    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): the outline of a body with more than two."""
-    if shape.style != BODY or len(points) < 3:
-        return points
-    outline = hull(points)
-    return np.vstack([outline, outline[:1]])
 
 
 def _draw(ax, lines):

@@ -13,6 +13,7 @@ from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from mecano.post.shapes import Shape
     from mecano.post.sketch import Sketch
 
 LETTERS = "xyz"
@@ -188,6 +189,14 @@ def hull(points: np.ndarray) -> np.ndarray:
         return chain[:-1]
 
     return np.array(half(ordered) + half(ordered[::-1]) or ordered[:1])
+
+
+def line_of(shape: "Shape", points: np.ndarray) -> np.ndarray:
+    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): the outline of a body with more than two."""
+    if shape.style != BODY or len(points) < 3:
+        return points
+    outline = hull(points)
+    return np.vstack([outline, outline[:1]])
 
 
 def _turn(a, b, c):

@@ -12,6 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError, UsageError
+from mecano.post.draw_sketch import line_of
 from mecano.post.runs import opened_runs
 from mecano.post.scene import Scene, scene_of
 from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
@@ -142,7 +143,7 @@ class _Picture:
         self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")
         for i, line in self._lines.items():
             line.set_visible(scene.shapes[i].is_shown(frame))
-            points = self._flat(scene.shapes[i].points[frame])  # for a wheel the rim and a spoke
+            points = line_of(scene.shapes[i], self._flat(scene.shapes[i].points[frame]))  # of a wheel: rim and spoke
             line.set_segments(np.stack([points[:-1], points[1:]], axis=1))
             if self._colours:
                 line.set_color(self._colour(scene.colours[i], frame, len(points) - 1))
