@@ -132,7 +132,7 @@ time: {{end: 2, step: 1.0e-3}}
     assert len(found) == grows
     for warning in found:
         assert f"by the factor e in {0.01 / np.log(share - 1.0):.3g} s, as an oscillation of 50 Hz" in warning
-        assert "their samples, every 0.01 s, make it grow" in warning
+        assert "or the sampling period of 0.01 s too long" in warning
 
 
 def test_the_starter_of_a_robot_arm_has_the_gain_margin_of_its_reflected_inertia():

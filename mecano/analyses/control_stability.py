@@ -54,12 +54,12 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
 
 
 def _grows(fastest: complex, period: float | None) -> str:
-    """Return the warning of a growing eigenvalue; ``period`` [s]: that of the samples, if they make it grow."""
+    """Return the warning of a growing eigenvalue; ``period`` [s]: the shortest of the samples; None without any."""
     as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
     question = "is a gain too large, or its sign wrong? `mecano modes` describes this motion"
     if period is not None:
         question = (
-            f"their samples, every {period:.3g} s, make it grow: is a gain too large, or the period too long? "
+            f"is a gain too large, its sign wrong, or the sampling period of {period:.3g} s too long? "
             "`mecano margins --open-loop NAME` tells by how much"
         )
     return f"{BEGINNING} by the factor e in {1.0 / fastest.real:.3g} s{as_what}: {question}"
