@@ -255,7 +255,7 @@ class TimeIntegrator:
         return new
 
     def _change_phases(self, run, info, found, rejected):
-        """Apply events at the beginning of a step, where time advances by rounding; impacts at consistent velocities."""
+        """Apply events at the start of a step, where time advances by rounding; impacts at consistent velocities."""
         s = replace(run.motion, t=run.motion.t + found.h)
         if self.shocks.impact_candidates.among(found.hit):
             s = self._consistent(s, run.h, impact=True)
