@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Scalar: TypeAlias = tuple[int, np.ndarray, np.ndarray]  # index in z, values and rates (n_rows,) in the results
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
 MOST = 8  # names in a text
+AT_ONCE = 1.0 + 1e-12  # factor of a time up to which events happen at it: the sum of steps may end before their time
 TURN = 1.0  # [rad] largest rotation of a node between two replayed places; counting needs less than half a turn
 
 
@@ -53,14 +54,15 @@ def replayed(
     traces = traces_of(results, nodes)
     monitor, state = EventMonitor(system), state.copy()
     touching = ImpactCandidates(system).touching(near)
-    events = [event for event in results.events if event.time <= results.time[row]]
+    events = [event for event in results.events if event.time <= AT_ONCE * results.time[row]]
     for r in rows:
+        now = AT_ONCE * results.time[r]
         if r - 1 in rows:
             _spin(system, state, results.time, r, nodes, traces)
         place_row(system, state, results.time, r, nodes, traces, scalars)
         state.memory = system.commit(solve_signals(system, state))
         state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
-        while events and events[0].time <= results.time[r]:  # positions do not determine whether a contact is open
+        while events and events[0].time <= now:  # positions do not determine whether a contact is open
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
     return state
