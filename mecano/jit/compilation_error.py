@@ -48,7 +48,9 @@ def compilation_errors(name=""):
     except NumbaError as error:
         raise CompilationError(_in_words(ADDRESS.sub("", COLOUR.sub("", str(error))))) from None
     except SystemError as error:  # of compiler.py, with the symbol of the code
-        reason = str(error)[str(error).find("needs ") :]
+        if (start := str(error).find("needs ")) < 0:
+            raise
+        reason = str(error)[start:]
         raise CompilationError(f"the kernel '{name}' cannot be compiled: it {reason}{_remedy(reason)}") from None
     except KeyError as error:  # so numba says that a record has no such field
         if not (text := _unknown_field(error)):
