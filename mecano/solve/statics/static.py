@@ -189,7 +189,7 @@ class Statics:
         if ok and found.change > FARTHEST:
             ok, failure = False, Failure.NOT_CONVERGED
             message = f"a node moves by more than {FARTHEST:g} times the size of the mechanism in one step"
-        if not ok and first > FARTHEST:  # the tangent is regular only by rounding errors
+        if failure is Failure.NOT_CONVERGED and first > FARTHEST:  # the tangent is regular only by rounding errors
             message, failure = SINGULAR, Failure.SINGULAR
         return s, Status(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
