@@ -25,7 +25,7 @@ printf '%s\\n' "${{COMPREPLY[@]:-}}"
     "words, expected",
     [
         (("mecano", "exam"), ["example"]),
-        (("mecano", "example", "nose_"), ["nose_gear_rigid", "nose_landing_gear", "nose_wheel_steering"]),
+        (("mecano", "example", "nose_gear_"), ["nose_gear_drop", "nose_gear_rigid"]),
         (("mecano", "new", "pend"), ["pendulum"]),
         (("mecano", "run", "--max"), ["--max-walltime"]),
         (("mecano", "completion", ""), ["bash", "zsh", "fish"]),

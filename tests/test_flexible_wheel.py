@@ -316,7 +316,7 @@ def test_a_brake_keeps_its_bound_and_holds_a_stopped_wheel():
 def test_the_random_road_has_its_spectrum():
     """Mean square of ISO 8608's density G = G0 (n/n0)^-2 over the waves: G0 n0^2 (1/n1 - 1/n2); the seed decides."""
     values = {"density": 64e-6, "reference": 0.1, "exponent": 2.0, "lowest": 0.011, "highest": 2.83, "waves": 200}
-    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0}
+    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0, "origin": 0.0}
     road = (("random", values),)
     s = np.linspace(0.0, 4000.0, 20001)
     height = np.array([curve_at(road, x)[0] for x in s[::10]])
@@ -327,7 +327,7 @@ def test_the_random_road_has_its_spectrum():
 
 def test_a_random_road_begins_flat_and_rises_smoothly_over_its_lead_in():
     values = {"density": 64e-6, "reference": 0.1, "exponent": 2.0, "lowest": 0.011, "highest": 2.83, "waves": 20}
-    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0}
+    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0, "origin": 0.0}
     endless, led = (("random", values),), (("random", {**values, "lead_in": 5.0, "start": 2.0}),)
     assert curve_at(led, -3.0) == curve_at(led, 2.0) == (0.0, 0.0, 0.0)
     assert curve_at(led, 7.0) == curve_at(endless, 7.0) and curve_at(led, 50.0) == curve_at(endless, 50.0)
