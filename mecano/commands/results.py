@@ -2,11 +2,14 @@
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from mecano.commands import ABOVE, BELOW, grouped, overrides, plugins, show
+
+if TYPE_CHECKING:
+    from mecano.post.spectrum import Transforms
 
 
 class Pictures(NamedTuple):
@@ -20,10 +23,11 @@ class Pictures(NamedTuple):
     measured: str | None
     above: float | None
 
-    def drawn(self):
+    def parameters(self) -> dict[str, Any]:
         """Return them as parameters of ``pictures.post``."""
         given = self._asdict()
-        return given | {"band": (given.pop("above"), given.pop("below"))}
+        given["band"] = given.pop("above"), given.pop("below")
+        return given
 
 
 class Transformed(NamedTuple):
@@ -34,13 +38,13 @@ class Transformed(NamedTuple):
     begin: float | None
     end: float | None
 
-    def transforms(self):
+    def transforms(self) -> "Transforms":
         """Return the Transforms of ``pictures.post``."""
         from mecano.post.spectrum import Transforms, Window
 
         return Transforms(self.spectra, self.densities, Window(self.begin, self.end))
 
-    def given(self):
+    def given(self) -> str:
         """Return the names of the options that are given."""
         window = self.begin is not None or self.end is not None
         given = {"--spectrum": self.spectra, "--density": self.densities, "--from, --to": window}
@@ -123,7 +127,7 @@ def post(
         else:
             from mecano.post.pictures import post as draw
 
-            options = {"transforms": transformed.transforms(), "title": title, "force": force} | pictures.drawn()
+            options = {"transforms": transformed.transforms(), "title": title, "force": force} | pictures.parameters()
             for path in draw(results, plots, **options):
                 click.echo(path)
 
