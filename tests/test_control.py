@@ -14,7 +14,7 @@ from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 import mecano
-from mecano.analyses.control_stability import DENSE, instability_warnings
+from mecano.analyses.control_stability import DENSE, causes_of_failure, instability_warnings
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
@@ -664,8 +664,9 @@ def test_control_of_a_large_model_is_examined_by_its_lowest_modes(gain):
         time: {{end: 100, step: 0.01}}
         """
     prepared = prepare(deck(text))
-    assert prepared.system.n_q > DENSE
-    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    start = integrator_of(prepared).begin(prepared.state, 0.01)
+    assert prepared.system.n_q > DENSE and not list(instability_warnings(prepared, start))
+    found = causes_of_failure(prepared, start, [])
     assert len(found) == (gain > 0.0)
     growth = gain * 4.0 / (2.0 * 7850 * np.pi / 4 * 0.04**2 * 2.0)
     for warning in found:

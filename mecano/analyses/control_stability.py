@@ -18,28 +18,31 @@ if TYPE_CHECKING:
     from mecano.solve.time.run_state import RunState
 
 DENSE = 100  # motions up to which all modes are computed before a run
-MOST, NEAREST = 5000, 20  # motions of larger models, of which the modes nearest to zero are computed; their number
+MOST, NEAREST = 5000, 20  # motions of larger models whose run failed; number of modes nearest to zero
 ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
 SAMPLED = 200  # motions up to which samples are examined
 BEGINNING = "because of the signals, small motions about the start grow"  # of the warning
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
 
-def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[str]:
+def instability_warnings(prepared: "Prepared", start: "RunState", most: int = DENSE) -> Iterator[str]:
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
-    Not reported are motions that grow by less than a factor of GROWTH in the run, those of models with more than MOST
-    motions, fast ones of models with more than DENSE motions, and motions about a moving state if no signal has a
-    state, such as those of bodies that attract one another. Nor are motions slow beside the accelerations of the start,
-    which turn axes and reactions while such motions would grow. Values of delays count as constant, and those of
-    sampled signals where a model has delays, more than SAMPLED motions, or periods without a common multiple.
+    Not reported are motions that grow by less than a factor of GROWTH in the run, those of models with more than
+    ``most`` motions, or SAMPLED with samples, fast ones of models with more than DENSE motions, and motions about a
+    moving state if no signal has a state, such as those of bodies that attract one another. Nor are motions slow beside
+    the accelerations of the start, which turn axes and reactions while such motions would grow. Values of delays count
+    as constant, and those of sampled signals where a model has delays, more than SAMPLED motions, or periods without a
+    common multiple.
     """
     system, time = prepared.system, prepared.deck.values["time"]
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
-    if not system.signals.any() or system.n_q > MOST:
+    if not system.signals.any():
         return
     samplers = _samplers(prepared)
-    if not samplers and ((moving and not system.states.any()) or not _may_destabilize(system, start.motion)):
+    if not samplers and (
+        system.n_q > most or (moving and not system.states.any()) or not _may_destabilize(system, start.motion)
+    ):
         return
     from mecano.solve.modal.linearize import linearize  # takes 0.1 s to import, with SciPy
 
@@ -65,13 +68,15 @@ def _grows(fastest: complex, period: float | None) -> str:
     return f"{BEGINNING} by the factor e in {1.0 / fastest.real:.3g} s{as_what}: {question}"
 
 
-def causes_of_failure(warnings: Iterable[str]) -> list[str]:
-    """Return what a failure of a run says about these ``warnings`` of its start that its controllers are unstable."""
-    return [
-        f"warning: {text}. Motions that grow need ever shorter steps: mend this first"
-        for text in warnings
-        if text.startswith(BEGINNING)
-    ]
+def causes_of_failure(prepared: "Prepared", start: "RunState", warnings: Iterable[str]) -> list[str]:
+    """Return what a failure of a run from ``start`` says if its controllers are unstable there.
+
+    ``warnings``: those of the start, where models with more than DENSE motions are not examined.
+    """
+    found = [text for text in warnings if text.startswith(BEGINNING)]
+    if not found and prepared.system.n_q > DENSE:
+        found = list(instability_warnings(prepared, start, MOST))
+    return [f"warning: {text}. Motions that grow need ever shorter steps: mend this first" for text in found]
 
 
 def _samplers(prepared: "Prepared") -> "list[Sampler]":

@@ -42,6 +42,7 @@ from mecano.results.writer import Writer
 if TYPE_CHECKING:
     import os
 
+    from mecano.analyses.prepare import Prepared
     from mecano.deck.deck import Deck
     from mecano.solve.time.run_state import RunState
     from mecano.solve.time.short_steps import ShortSteps
@@ -138,7 +139,7 @@ def _from_the_start(deck, path, force, supervision):
             supervision.announce(text)
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.first(start, integrator.start_events)
-        yield Ongoing(deck, start, integrator, recorder, supervision, notes)
+        yield Ongoing(prepared, start, integrator, recorder, supervision, notes)
 
 
 def _unstable_control(prepared, start):
@@ -228,7 +229,7 @@ def _from_the_checkpoint(deck, interrupted, supervision):
         supervision.announce(note)
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.from_plain(recorded)
-        yield Ongoing(deck, start, integrator, recorder, supervision, interrupted.warnings)
+        yield Ongoing(prepared, start, integrator, recorder, supervision, interrupted.warnings)
 
 
 def layout_of(sampler: Sampler) -> Layout:
@@ -245,14 +246,15 @@ class Ongoing:
 
     def __init__(
         self,
-        deck: "Deck",
+        prepared: "Prepared",
         start: "RunState",
         integrator: "TimeIntegrator",
         recorder: Recorder,
         supervision: Supervision,
         notes: Sequence[str],
     ):
-        self.deck, self.state, self.integrator, self.recorder = deck, start, integrator, recorder
+        self.deck, self.state, self.integrator, self.recorder = prepared.deck, start, integrator, recorder
+        self._prepared, self._start = prepared, start
         self._announce, self._notes, interval = supervision.announce, notes, supervision.interval
         writer = CheckpointWriter(integrator, recorder, supervision.interruption, interval)
         self._checkpoint_writer = integrator.pause = writer
@@ -293,7 +295,8 @@ class Ongoing:
             known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
             latches = open_latch_warnings(deck, recorder.row, sampler)
             turning = unstable_turning_warnings(deck.values["time"], sampler, recorder.writer.extremes)
-            after = [*latches, *(f"warning: {text}" for text in turning), *causes_of_failure(self._notes)]
+            unstable = causes_of_failure(self._prepared, self._start, self._notes)
+            after = [*latches, *(f"warning: {text}" for text in turning), *unstable]
             raise type(error)("\n".join([failure_text(error, deck, known), *after])) from error
 
     def _memory_with(self, given):
