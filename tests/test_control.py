@@ -609,6 +609,14 @@ def test_a_restart_of_linear_signals_uses_their_decomposed_equations(monkeypatch
     assert count == [np.count_nonzero(prepared.system.signals)]
 
 
+def test_a_restart_of_linear_signals_computes_few_jacobians(monkeypatch):
+    """One to solve them and one to find circles, each by two assemblies; the states near them need residuals only."""
+    prepared, calls, at = prepare(input_deck("digital_control")), [], signals._Equations.at
+    monkeypatch.setattr(signals._Equations, "at", lambda self, s: calls.append(s.t) or at(self, s))
+    signals.settle_signals(prepared.system, prepared.state.copy(), 1e-6)
+    assert len(calls) == 2
+
+
 CONTROLLED = """
     mecano: 1
     gravity: [0, 0, -9.81]
