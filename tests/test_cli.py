@@ -184,9 +184,11 @@ class TestRun:
         assert not {"scipy", "numpy.ma", "secrets"} & loaded
         assert sum(name.startswith("mecano") for name in loaded) <= most
 
-    @pytest.mark.parametrize("deck", ["rocking_block", "woodpecker", "beam_45_degrees", "caster_shimmy", "separation"])
+    @pytest.mark.parametrize(
+        "deck", ["rocking_block", "woodpecker", "beam_45_degrees", "caster_shimmy", "separation", "car"]
+    )
     def test_scipy_is_not_imported_for_little(self, call, folder, deck):
-        """Not for shocks, curved beams, steady running and signals that only measure: that would take longer."""
+        """Not for shocks, curved beams, steady running, signals that only measure, and control of a large model."""
         words = "run", INPUTS / f"{deck}.yaml", "-q", "-o"
         call(*words, "first.h5")  # compiles, if need be, by numba, which imports SciPy
         assert "scipy" not in loaded_by(*words, "short.h5")
