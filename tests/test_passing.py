@@ -97,6 +97,32 @@ def test_an_elastic_cable_goes_taut_within_a_step():
     assert recorded.event_records[0].t == pytest.approx(taut, abs=1e-9)
 
 
+@pytest.mark.parametrize(("speed", "times"), [(0.0, 1), (10.0, 0)])
+def test_an_elastic_cable_stays_slack_if_its_stretch_is_within_the_error_of_the_step(speed, times):
+    """It is stretched by 1 um; an oscillator of 100 Hz, which no step resolves, moves by 16 mm or rests."""
+    recorded = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes:
+          foot: {{position: [0, 0, -1], fixed: true}}
+          ball: {{position: [0, 0, 0]}}
+          mass: {{position: [0, 0, -2]}}
+        elements:
+          ball: {{type: point_mass, node: ball, mass: 1}}
+          tether: {{type: cable, nodes: [foot, ball], axial_stiffness: 1.0e+5,
+                   natural_length: {1.0 + 3.2**2 / (2.0 * G) - 1e-6!r}}}
+          mass: {{type: point_mass, node: mass, mass: 1}}
+          spring: {{type: spring_damper, nodes: [foot, mass], natural_length: 0.999975,
+                   law: {{spring: {{stiffness: 3.924e+5}}}}}}
+        initial:
+          velocities: [{{nodes: [ball], velocity: [0, 0, 3.2]}}, {{nodes: [mass], velocity: [0, 0, {speed}]}}]
+        time: {{end: 0.52, step: 130 ms, rho_inf: 0.8}}
+        """)
+    )
+    assert sum(event.name == "goes taut" for event in recorded.event_records) == times
+
+
 def test_a_bar_that_turns_strikes_the_floor_with_its_end():
     """It would dip into it for 0.13 s of a step of 0.7 s; the impulse m v J/(J + m x^2) acts at the distance x."""
     recorded = RecordedRun(deck(BAR))

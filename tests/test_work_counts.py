@@ -35,6 +35,7 @@ COMPILED = {"pendulum": (31, 2070), "nose_gear_rigid": (48, 2842)}  # machine co
 
 SEVEN_MODULES = {  # end [s]: the same counts of a reflector, instants with events, instants with shocks
     0.1: (19, 82, 134, 16, 0),
+    5.8: (320, 699, 941, 38, 2),
     7.25: (519, 2364, 3768, 171, 64),
 }
 
@@ -69,7 +70,7 @@ def test_reference_runs_cost_no_more(deck, tmp_path, monkeypatch):
         assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
 
 
-@pytest.mark.parametrize("end", [0.1, pytest.param(7.25, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("end", [0.1, 5.8, pytest.param(7.25, marks=pytest.mark.slow)])
 def test_events_of_seven_modules_cost_no_more(end, tmp_path, monkeypatch):
     module, instants, shocks = writer(), set(), set()
     options = f"--modules 7 --curvature 20 --step 0.02 --end {end}".split()

@@ -76,10 +76,14 @@ def may_peak(events: Indices, values: Matrix) -> bool:
     return False
 
 
-def passed(monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1: np.ndarray) -> "State | None":
+def passed(
+    monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1: np.ndarray, error: float
+) -> "State | None":
     """Return a state between ``s0`` and ``s1``, the ends of a step, at which an event has happened, or None.
 
-    ``g0``, ``g1`` (n_events,): event values there. Events are those sought within steps: brief ones and conditions.
+    ``g0``, ``g1`` (n_events,): event values there. Events are those sought within steps: brief ones and conditions. An
+    elastic line that is stretched by less than the local ``error`` [m] of the step stays slack: in vibrations that the
+    steps do not resolve, rounding would decide which of equal members has such an event.
     """
     events, system = np.concatenate([monitor.brief, monitor.conditions]), monitor.system
     values = np.array([g0, g1, g0, g1])
@@ -95,14 +99,15 @@ def passed(monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1
     values[BEFORE_END] = monitor.values(within(1.0 - SHARE))
     for i in events:
         if may_peak(np.array([i]), values):
-            found = _above_zero(lambda s, i=i: float(monitor.values(s)[i]), within, values[:, i])
+            least = error if monitor.elastic[i] else 0.0
+            found = _above_zero(lambda s, i=i: float(monitor.values(s)[i]), within, values[:, i], least)
             if found is not None:
                 return found
     return None
 
 
-def _above_zero(value, within, ends):
-    """Return a state at which an event value is above zero, sought between the ``ends`` (4,), or None."""
+def _above_zero(value, within, ends, least):
+    """Return a state at which an event value is above zero, and ``least``, sought between ``ends`` (4,), or None."""
     low = 0.0, ends[START], (ends[AFTER_START] - ends[START]) / SHARE
     high = 1.0, ends[END], (ends[END] - ends[BEFORE_END]) / SHARE
     for _ in range(MOST_PLACES):
@@ -112,7 +117,7 @@ def _above_zero(value, within, ends):
             return None
         s = within(u)
         g = value(s)
-        if g > CERTAIN * (g - min(ends[START], ends[END])):
+        if g > max(CERTAIN * (g - min(ends[START], ends[END])), least):
             return s
         rate = (value(within(u + SHARE * (u1 - u))) - g) / (SHARE * (u1 - u))
         low, high = ((u, g, rate), high) if rate > 0.0 else (low, (u, g, rate))

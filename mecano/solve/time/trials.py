@@ -131,7 +131,9 @@ class Trials:
         for stage in info.stages:
             if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
                 return stage
-        return passed(self.monitor, run.motion, self._decided(run, g0, s), s, g1) if sought else None
+        if not sought:
+            return None
+        return passed(self.monitor, run.motion, self._decided(run, g0, s), s, g1, info.error * self.method.length)
 
     def _size_to_retry(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
