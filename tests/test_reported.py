@@ -601,6 +601,21 @@ def test_progress_shows_hundredths_of_a_run_however_late(start, line, capsys):
     assert capsys.readouterr().err == f"{line}, step 0.001 s\n"
 
 
+def test_progress_shows_a_line_each_minute_and_the_remaining_time_at_the_present_pace(monkeypatch, capsys):
+    """Half of the run takes 50 s, then 1e-4 of it takes 1 s: 0.5/1e-4 s are left; tenths follow one another fast."""
+    now = [0.0]
+    monkeypatch.setattr("mecano.analyses.progress.time.monotonic", lambda: now[0])
+    progress = Progress({"start": 0.0, "end": 1.0}, quiet=False, path="results.h5")
+    for second in range(180):
+        now[0], t = float(second), min(0.01 * second, 0.5) + 1e-4 * max(second - 50, 0)
+        progress(SimpleNamespace(motion=SimpleNamespace(t=t), h=1e-3))
+    *tenths, minute, last = capsys.readouterr().err.splitlines()
+    assert [line.split()[2] for line in tenths] == ["0.1", "0.2", "0.3", "0.4", "0.5"]
+    assert tenths[-1].endswith("50 s left")
+    assert minute == "t = 0.506 of 1 s, step 0.001 s, 4940 s left"
+    assert last == "t = 0.512 of 1 s, step 0.001 s, 4880 s left"
+
+
 @pytest.mark.parametrize(("rate", "warned"), [(0.99995, False), (0.999, True)])
 def test_velocities_with_the_digits_of_decks_are_not_reported(rate, warned, tmp_path):
     """The upper bar turns at 1 rad/s, its end 1 m away moves at 1 m/s: that is corrected by 5e-5 or by 1e-3 of it."""

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 import time
+from collections import deque
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
+SELDOM = 60.0  # s, longest time between plain lines
+PACE, SAMPLED = 30.0, 1.0  # s over which the pace is measured, between its samples
 WIDTH = 110  # characters of a note, at most; less on a narrower terminal
 NOTICED = 0.01  # s, least compile time reported
 COMPILING = "compiling elements used for the first time, once; usually less than a minute"
@@ -56,13 +59,13 @@ class Messages:
             self._say("\n".join(lines) + "\n")
 
     def show(self, share: float, numbers: str, by_tenths: bool = True) -> None:
-        """Show the ``share`` of the work done: a bar on a terminal, otherwise a line for each tenth."""
+        """Show the ``share`` of the work done: a bar on a terminal, otherwise a line for each tenth and each minute."""
         now = time.monotonic()
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
             self._say(f"\r[{_bar(share)}] {numbers}\x1b[K")
-        elif not self.terminal and by_tenths and int(LINES * share) > self.tenths:
-            self.tenths = int(LINES * share)
+        elif not self.terminal and by_tenths and (int(LINES * share) > self.tenths or now - self.drawn >= SELDOM):
+            self.tenths, self.drawn = int(LINES * share), now
             self._say(f"{numbers}\n")
 
     def finished(self, text: str) -> None:
@@ -93,19 +96,24 @@ class Progress(Messages):
         self.start, self.end = values["start"], values["end"]
         late = max(abs(self.start), abs(self.end)) / (self.end - self.start)
         self.digits = 4 + int(math.log10(late))  # of times, enough to show a hundredth of the run
-        self.first: tuple[float, float] | None = None  # wall-clock time [s] and share of the run at the first call
+        self.passed: deque[tuple[float, float]] = deque()  # wall-clock time [s] and share of the run, of late
 
     def __call__(self, run: "RunState") -> None:
         """Show simulated time, step size and remaining time."""
         if self.quiet:
             return
         now, share = time.monotonic(), (run.motion.t - self.start) / (self.end - self.start)
-        self.first = self.first or (now, share)
-        self.show(share, self._numbers(run, now, share, *self.first))
-
-    def _numbers(self, run, now, share, begun, first):
+        if not self.passed or now - self.passed[-1][0] >= SAMPLED:
+            self.passed.append((now, share))
+        while now - self.passed[0][0] > PACE and len(self.passed) > 1:
+            self.passed.popleft()
         text = f"t = {run.motion.t:.{self.digits}g} of {self.end:.{self.digits + 2}g} s, step {run.h:.2g} s"
-        return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
+        self.show(share, text + self._left(now, share))
+
+    def _left(self, now, share):
+        """Return the remaining wall-clock time at the present pace, as text; "" before it is known."""
+        then, before = self.passed[0]
+        return f", {(now - then) * (1 - share) / (share - before):.0f} s left" if share > before else ""
 
     def done(self, run: "RunState") -> None:
         """Print the last lines: numbers of steps and iterations, elapsed time, results file."""
