@@ -9,7 +9,11 @@ import threading
 import time
 
 import pytest
+from time_runs import input_deck
 
+from mecano.analyses import compilation
+from mecano.analyses import warmup as warming
+from mecano.analyses.prepare import prepare
 from mecano.jit import ahead, machine_code, store
 from mecano.jit.machine_code import Code
 
@@ -150,3 +154,17 @@ def lives(process):
             return file.read().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_a_warm_store_has_what_runs_compile_ahead(monkeypatch):
+    """Massless unknowns with adaptive steps, many unknowns with events, Radau, fixed steps."""
+    warm, needed = [], []
+    monkeypatch.setattr(warming, "_compile", warm.extend)
+    monkeypatch.setattr(warming, "_compile_and_step", lambda deck: None)
+    list(warming.warmup())
+    monkeypatch.setattr(compilation, "compile_ahead", needed.extend)
+    for name in ("nose_landing_gear", "reflector", "andrews", "pendulum"):
+        prepared = prepare(input_deck(name))
+        for method in ("generalized_alpha", "radau"):
+            compilation.compile_time_integration(prepared.system, prepared.deck.values["time"] | {"method": method})
+    assert {code.file for code in needed} <= {code.file for code in warm}

@@ -19,7 +19,9 @@ from mecano.errors import ResultsError
 from mecano.jit import machine_code, store
 from mecano.jit.ahead import compile_ahead
 from mecano.model.loop_code import all_codes
+from mecano.solve.linear import multifrontal
 from mecano.solve.time.error_bound import bound_error
+from mecano.solve.time.relaxed_error import relax_error
 
 STEPS = 3
 BETWEEN = 0.7  # steps between two saved times, which are then interpolated
@@ -37,7 +39,8 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
-        entries = *GENERALIZED_ALPHA, *TIME_INTEGRATION, *EVENTS, bound_error, *radau()
+        further = bound_error, relax_error, multifrontal.residual
+        entries = *GENERALIZED_ALPHA, *TIME_INTEGRATION, *EVENTS, *further, *radau()
         _compile([*(entry.code for entry in entries), *all_codes(kinds), *divided()])
         yield "running the first steps of the decks of `mecano new`"
         for name, text in starters().items():

@@ -74,8 +74,8 @@ class LightUnknowns:
 
     def _enter(self, w, light, known):
         w.point_to(n_light=len(light), light=light, knows_light=known)
-        if len(light) and self._relax is None:
-            from mecano.solve.time.relaxed_error import relax_error  # not compiled for models without such unknowns
+        if len(light) and self._relax is None and w.record["tolerance"][0] < np.inf:
+            from mecano.solve.time.relaxed_error import relax_error  # compiled for such runs only
 
             self._relax = relax_error.call_from_compiled_code(w.record)
             w.point_to(relax=self._relax.function, relax_words=self._relax.words)
