@@ -8,37 +8,41 @@ Reaching and leaving a limit are events, at which time steps end. A limit that v
 
 import math
 
+from mecano.constraints.along_coordinate.limits import (
+    PHASES,
+    WITHIN,
+    limit_events,
+    limited,
+    limits_of,
+    misplaced,
+    write_distances,
+)
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
-from mecano.element_interface import Event, named, record
+from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number, select
+from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field
 
-LOWER, WITHIN, UPPER = range(3)
 OWN, U = 0, 1  # local unknowns: the value; the input
-NONE = 1e300  # no limit
 
 
 @kernel
 def residual(p, at, f):
     """Add the equation of the value."""
-    y = select(at.phase == WITHIN, number(at.q[U]), select(at.phase == UPPER, p.upper, p.lower))
-    f[OWN] += number(at.q[OWN]) - y
+    f[OWN] += number(at.q[OWN]) - limited(p, at, number(at.q[U]))
 
 
 @kernel
 def event_values(p, at, g):
     """Write the distances of the input beyond each limit, and back from it."""
-    u = at.q[U]
-    g[0], g[1] = u - p.upper, p.upper - u
-    g[2], g[3] = p.lower - u, u - p.lower
+    write_distances(p, at.q[U], g)
 
 
 def check(d, nodes):
     """Return errors for limits in the wrong order, or none at all."""
     if math.isinf(d["lower"]) and math.isinf(d["upper"]):
         return ["give 'lower', 'upper' or both"]
-    return [] if d["lower"] < d["upper"] else ["'lower' must be less than 'upper'"]
+    return misplaced(d)
 
 
 LIMIT = signal_of_input(
@@ -47,18 +51,11 @@ LIMIT = signal_of_input(
     Field("lower", NUMBER, OF_INPUT, "least value; none when absent", -math.inf),
     Field("upper", NUMBER, OF_INPUT, "greatest value; none when absent", math.inf),
     dtype=record(lower=(), upper=()),
-    phases=("lower", "within", "upper"),
+    phases=PHASES,
     at_start=lambda p: WITHIN,
-    events=(
-        Event("upper limit", "within", "upper", "the input rises to the upper limit"),
-        Event("upper limit left", "upper", "within", "the input falls from the upper limit"),
-        Event("lower limit", "within", "lower", "the input falls to the lower limit"),
-        Event("lower limit left", "lower", "within", "the input rises from the lower limit"),
-    ),
+    events=limit_events("the input"),
     same_unit_as=lambda d: d["input"],
-    prepare=lambda d, nodes, context: {"lower": max(d["lower"], -NONE), "upper": min(d["upper"], NONE)},
-    sample=lambda rng: [
-        ({"input": "a", "lower": -0.05, "upper": 0.1}, 1, phase) for phase in ("lower", "within", "upper")
-    ],
+    prepare=lambda d, nodes, context: limits_of(d),
+    sample=lambda rng: [({"input": "a", "lower": -0.05, "upper": 0.1}, 1, phase) for phase in PHASES],
     **named(check, residual, event_values),
 )

@@ -19,14 +19,21 @@ import math
 from dataclasses import replace
 from functools import cache
 
+from mecano.constraints.along_coordinate.limits import (
+    PHASES,
+    WITHIN,
+    limit_events,
+    limited,
+    limits_of,
+    misplaced,
+    write_distances,
+)
 from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
-from mecano.element_interface import Event, Output, named, record
+from mecano.element_interface import Output, named, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number, select
+from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
 
-LOWER, WITHIN, UPPER = range(3)
-NONE = 1e300  # no limit
 RECORD = record(
     proportional=(), integral=(), derivative=(), derivative_time=(), lower=(), upper=(), tracking_time=(), initial=(),
     at_integral="i", at_filtered="i", at_input="i",
@@ -65,7 +72,7 @@ def demanded(p, at):
 def residual(p, at, f):
     """Add the equations of the value and of the states."""
     u, change = demanded(p, at)
-    y = select(at.phase == WITHIN, u, select(at.phase == UPPER, p.upper, p.lower))
+    y = limited(p, at, u)
     f[0] += number(at.q[0]) - y
     if p.at_integral >= 0:
         rate = p.integral * number(at.q[p.at_input]) + (y - u) / p.tracking_time
@@ -77,9 +84,7 @@ def residual(p, at, f):
 @kernel
 def event_values(p, at, g):
     """Write the distances of the demand beyond each limit, and back from it."""
-    u = demanded(p, at)[0]
-    g[0], g[1] = u - p.upper, p.upper - u
-    g[2], g[3] = p.lower - u, u - p.lower
+    write_distances(p, demanded(p, at)[0], g)
 
 
 def prepare(d, nodes, context):
@@ -88,8 +93,8 @@ def prepare(d, nodes, context):
     places = {f"at_{name}": scalars.index(name) if name in scalars else -1 for name in ("integral", "filtered")}
     gains = {name: d[name] for name in ("proportional", "integral", "derivative", "initial")}
     return {
-        **gains, **places, "at_input": len(scalars), "derivative_time": d["derivative_time"] or 1.0,
-        "lower": max(d["lower"], -NONE), "upper": min(d["upper"], NONE), "tracking_time": _tracking_time(d),
+        **gains, **places, **limits_of(d), "at_input": len(scalars),
+        "derivative_time": d["derivative_time"] or 1.0, "tracking_time": _tracking_time(d),
     }  # fmt: skip
 
 
@@ -118,9 +123,7 @@ def _start_integral(p):
 
 def check(d, nodes):
     """Return errors: limits in the wrong order, a derivative without a time, an initial value without an integral."""
-    found = []
-    if not d["lower"] < d["upper"]:
-        found.append("'lower' must be less than 'upper'")
+    found = misplaced(d)
     if d["derivative"] and d["derivative_time"] is None:
         found.append("'derivative' needs 'derivative_time', the time constant of its filter")
     if d["initial"] and not d["integral"]:
@@ -133,7 +136,7 @@ def sample(rng):
     d = {"input": "a", "proportional": 2.0, "integral": 3.0, "derivative": 0.5, "derivative_time": 0.2}
     limits = {"lower": -0.05, "upper": 0.1, "tracking_time": 0.4}
     return [
-        *(({**d, **limits}, 1, phase) for phase in ("lower", "within", "upper")),
+        *(({**d, **limits}, 1, phase) for phase in PHASES),
         ({"input": "a", "proportional": 2.0}, 1, "within"), ({"input": "a", "integral": 2.0}, 1, "within"),
     ]  # fmt: skip
 
@@ -153,14 +156,9 @@ PID = signal_of_input(
     ),
     replace(INITIAL, doc="integral x_I at the start"),
     dtype=RECORD,
-    phases=("lower", "within", "upper"),
+    phases=PHASES,
     at_start=lambda p: WITHIN,
-    events=(
-        Event("upper limit", "within", "upper", "the demand rises to the upper limit"),
-        Event("upper limit left", "upper", "within", "the demand falls from the upper limit"),
-        Event("lower limit", "within", "lower", "the demand falls to the lower limit"),
-        Event("lower limit left", "lower", "within", "the demand rises from the lower limit"),
-    ),
+    events=limit_events("the demand"),
     outputs=(VALUE, *STATES),
     variant=lambda d: _with(_scalars(d)),
     **named(prepare, check, residual, observe, event_values, sample),
