@@ -61,6 +61,11 @@ def margins(
     )  # fmt: skip
     request.check()
     text, found = find(checked_deck(deck, set), None if path is None else os.fspath(path), request, force=force)
+    return _values_of(found, text)
+
+
+def _values_of(found, text):
+    """Return the LoopMargins of those of analyses/margins.py, with their ``text``."""
     crossovers = tuple(
         LoopCrossover(one.frequency, one.value, one.gain_margin, one.phase_margin, one.delay_margin)
         for one in found.crossovers
