@@ -140,7 +140,7 @@ def test_a_chassis_comes_before_its_wheels(tmp_path):
 
 
 def test_signals_of_each_unit_are_shown(tmp_path):
-    """A pressure varies by 1e7, a slip by 0.1: the sheet has as many of each as can be told apart."""
+    """A pressure varies by 1e7, a slip by 0.1: the sheet has as many of each as colours distinguish."""
     units = {name: {"unit": "Pa" if i < MOST + 1 else "m"} for i, name in enumerate(NAMES)}
     runs = run_of(tmp_path / "a.h5", "signals", "formula", NAMES, (("value", "SI", ""),),
                   lambda i, t: np.sin(t) * (1e7 + i if i < MOST + 1 else 0.1), deck=units)  # fmt: skip

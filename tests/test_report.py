@@ -245,9 +245,9 @@ def test_like_events_are_grouped_and_shocks_and_releases_come_first(tmp_path):
         for name, impulse in zip("abcd", (1.0, -3.0, 2.0, 0.5), strict=True):
             writer.append_event(Event(41.0, f"hinge '{name}'", "locks", "free", "locked", "N m s", impulse, 0.25))
     [section] = [s for s in report_of(open_runs([tmp_path / "many.h5"])[0]).sections if s.heading == "Events"]
-    grouped, told, listed, lost = section.parts
+    grouped, share, listed, lost = section.parts
     assert grouped.rows[-1] == ("41", "4 hinge: a, b, c, and 1 more", "locks", "free to locked", "up to -3 N m s", "1")
-    assert len(grouped.rows) == 30 and "30 of 41 groups" in told.text
+    assert len(grouped.rows) == 30 and "30 of 41 groups" in share.text
     assert listed.title == "All events" and len(listed.rows) == 44 and lost.text == "Shocks took 1 J in all."
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
-SELDOM = 60.0  # s, longest time between plain lines
+LONGEST = 60.0  # s between plain lines
 PACE, SAMPLED = 30.0, 1.0  # s over which the pace is measured, between its samples
 WIDTH = 110  # characters of a note, at most; less on a narrower terminal
 NOTICED = 0.01  # s, least compile time reported
@@ -64,7 +64,7 @@ class Messages:
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
             self._say(f"\r[{_bar(share)}] {numbers}\x1b[K")
-        elif not self.terminal and by_tenths and (int(LINES * share) > self.tenths or now - self.drawn >= SELDOM):
+        elif not self.terminal and by_tenths and (int(LINES * share) > self.tenths or now - self.drawn >= LONGEST):
             self.tenths, self.drawn = int(LINES * share), now
             self._say(f"{numbers}\n")
 

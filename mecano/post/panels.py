@@ -84,7 +84,7 @@ def _element_paths(plan, runs):
 
 
 def _most_active(things, view, runs):
-    """Return as many elements as are told apart; of signals, which may have any unit, as many of each."""
+    """Return as many elements as colours distinguish; of signals, as many of each unit."""
     most = MOST if len(runs) == 1 else MOST_OF_SEVERAL
     if len(things) <= most:
         return things

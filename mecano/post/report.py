@@ -188,15 +188,15 @@ def _events(results):
     events, at = results.events, f"{results.axis.path} [{results.axis.unit}]"
     found = groups(results)
     found = repeated(found) if len(found) > MANY_EVENTS else found
-    told = most_notable(found, MANY_EVENTS)
+    listed = most_notable(found, MANY_EVENTS)
     shocks = any(event.impulse_unit for event in events)
     losses = ("impulse", "energy lost [J]") if shocks or any(event.energy_lost for event in events) else ()
     if len(found) < len(events):
         again = ("times", f"last [{results.axis.unit}]") if any(group.times > 1 for group in found) else ()
-        rows = [_group(group, again, losses) for group in told]
+        rows = [_group(group, again, losses) for group in listed]
         yield Table((at, "where", "what", "phase", *again, *losses), rows, 4)
-    if len(told) < len(found):
-        yield Text(f"These are {len(told)} of {len(found)} groups of like events, shocks and releases first.")
+    if len(listed) < len(found):
+        yield Text(f"These are {len(listed)} of {len(found)} groups of like events, shocks and releases first.")
     shown = events[:MOST_EVENTS]
     if shown:
         title = f"The first {len(shown)} of {len(events)} events" if len(shown) < len(events) else "All events"
