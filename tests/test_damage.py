@@ -130,7 +130,7 @@ RUBBISH = [
     ("events/name", _replace("events/name", 5), "scalar dataset"),
     ("deck/displays", _replace("deck/displays", b'{"point_mass": 1}'), "must be a mapping"),
     ("deck/resolved", _replace("deck/resolved", b"[]"), "it is not a mapping"),
-    ("deck/remarks", _replace("deck/remarks", b"{}"), "it is not a list"),
+    ("deck/warnings", _replace("deck/warnings", b"{}"), "it is not a list"),
     ("deck/resumptions", _replace("deck/resumptions", b"{}"), "it is not a list"),
 ]
 

@@ -68,17 +68,6 @@ def test_the_results_file_determines_how_its_kinds_are_drawn(drop, tmp_path):
     assert "wheels" in names[0] and "wheels" not in names[1]
 
 
-def test_an_older_file_is_drawn_as_the_kinds_declare_now(drop, tmp_path):
-    older = tmp_path / "older.h5"
-    older.write_bytes(drop.read_bytes())
-    with h5py.File(older, "a") as file:
-        del file["deck/displays"]
-    [run] = open_runs([older])
-    assert {name: display.shape for name, display in run.results.displays.items()} == {
-        name: KINDS[name].display.shape for name in run.results.displays
-    }
-
-
 @pytest.mark.parametrize(
     ("law", "drawn"),
     [

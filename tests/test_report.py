@@ -7,7 +7,6 @@ from html.parser import HTMLParser
 from types import SimpleNamespace
 
 import every_kind
-import h5py
 import numpy as np
 import pytest
 from browser import browser, dom
@@ -173,15 +172,10 @@ def test_a_force_residual_above_its_tolerance_is_explained(largest, explained):
     ([], ["resumed at t = 2 s"]),
     (["slow"], ["resumed at t = 2 s"]),
 ])  # fmt: skip
-@pytest.mark.parametrize("older", [False, True])
-def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ(tmp_path, warnings, remarks, older):
-    """Older files have remarks among the warnings."""
-    texts = {"warnings": [*warnings, *remarks]} if older else {"warnings": warnings, "resumptions": remarks}
-    with Writer.create(tmp_path / "a.h5", Layout([]), Source("mecano: 1\n", {}, **texts)) as writer:
+def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ(tmp_path, warnings, remarks):
+    source = Source("mecano: 1\n", {}, warnings=warnings, resumptions=remarks)
+    with Writer.create(tmp_path / "a.h5", Layout([]), source) as writer:
         writer.close("complete", "the end was reached")
-    if older:
-        with h5py.File(tmp_path / "a.h5", "r+") as file:
-            del file["deck/resumptions"]
     with open_results(tmp_path / "a.h5") as results:
         assert (results.warnings, results.remarks) == (warnings, remarks)
         assert is_sound(results) == (not warnings)

@@ -26,13 +26,6 @@ CASES = {  # warnings before, status, reason -> verdict, whether it is sound
         "complete with warnings",
         False,
     ),
-    "warned at the end, an older file": (
-        (),
-        "complete",
-        "the end was reached; it is off",
-        "complete with warnings",
-        False,
-    ),
     "warned at another end": ((), "complete", "node 'a' was displaced;\nit is off", "complete with warnings", False),
     "at another end": ((), "complete", "node 'a' was displaced; so far", "complete", True),
     "failed": ((), "failed", "no way on from t = 1 s", "failed", False),
@@ -42,7 +35,6 @@ CASES = {  # warnings before, status, reason -> verdict, whether it is sound
 
 END_OF = {  # reason -> warnings at the end of the run
     "the end was reached;\nenergy is off;\na; b": ["energy is off", "a; b"],
-    "the end was reached; it is off": ["it is off"],
     "node 'a' was displaced;\nit is off": ["it is off"],
 }
 

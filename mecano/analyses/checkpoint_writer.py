@@ -46,7 +46,7 @@ class CheckpointWriter:
         """Write a checkpoint; raises ResultsError."""
         self.recorder.flush()
         integrator = json.dumps(self.integrator.to_plain())
-        state = {"run": to_plain(run), "march": integrator, "recorder": self.recorder.to_plain()}
+        state = {"run": to_plain(run), "integrator": integrator, "recorder": self.recorder.to_plain()}
         self.recorder.writer.checkpoint(state)
 
 
@@ -54,7 +54,7 @@ def restore(state: Mapping[str, Any], integrator: "TimeIntegrator") -> tuple[Run
     """Restore ``integrator`` from a checkpoint; return its RunState and the recorder's state. Raises ResultsError."""
     try:
         run = from_plain(state["run"])
-        integrator.from_plain(json.loads(state["march"]))
+        integrator.from_plain(json.loads(state["integrator"]))
         recorder = state["recorder"]
     except (KeyError, TypeError, ValueError) as error:
         text = "the checkpoint cannot be read; it was written by another version of mecano"

@@ -79,18 +79,13 @@ class Checked(Seekable):
         self._position = stop
         return len(view)
 
-    @property
-    def block(self) -> int:
-        """Size of a block in bytes."""
-        return self.sums.block if self.sums is not None else BLOCK
-
     def _checked(self, start, stop):
         """Return the bytes from ``start`` to ``stop``, or fewer at the end. Raises OSError if a block has changed."""
         for attempt in range(_ATTEMPTS):
-            first = start // self.block
-            data, changed = self._compared(first, -(-stop // self.block))
+            first = start // BLOCK
+            data, changed = self._compared(first, -(-stop // BLOCK))
             if not len(changed):
-                return data[start - self.block * first :][: stop - start]
+                return data[start - BLOCK * first :][: stop - start]
             time.sleep(0.003 * attempt)  # the writer may be changing them now
             self.refresh()
         self.damaged.update(map(int, changed))
@@ -98,16 +93,16 @@ class Checked(Seekable):
 
     def _compared(self, first, last):
         """Return the bytes of blocks ``first`` to ``last``, fewer at the end, and the numbers of changed ones."""
-        data = os.pread(self._descriptor, self.block * (last - first), self.block * first)
+        data = os.pread(self._descriptor, BLOCK * (last - first), BLOCK * first)
         if self.sums is None:
             return data, ()
-        count = max(min(self.sums.covered - self.block * first, len(data)), 0)
+        count = max(min(self.sums.covered - BLOCK * first, len(data)), 0)
         return data, self.sums.changed(memoryview(data)[:count], first)
 
     def changed(self) -> np.ndarray:
         """Return the numbers (n,) of all changed blocks in the file."""
         assert self.sums is not None, "a file without checksums is read unchecked"
-        last = -(-min(self.sums.covered, self.size) // self.block)
+        last = -(-min(self.sums.covered, self.size) // BLOCK)
         found = []
         for first in range(0, last, AT_ONCE):
             for attempt in range(_ATTEMPTS):
@@ -121,9 +116,9 @@ class Checked(Seekable):
 
     def place(self, blocks: Collection[int]) -> str:
         """Return a description of the place of ``blocks`` in the file."""
-        first, count = self.block * min(blocks), len(blocks)
+        first, count = BLOCK * min(blocks), len(blocks)
         more = f", and {count - 1} more blocks" if count > 1 else ""
-        return f"between byte {first} and {first + self.block - 1}{more}"
+        return f"between byte {first} and {first + BLOCK - 1}{more}"
 
 
 def _content(descriptor, size):

@@ -12,8 +12,6 @@ import numpy as np
 BLOCK = 4096  # the page of operating systems
 END = struct.Struct("<16sQI")
 MARK = b"mecano seal 2\0\0\0"
-BLOCKS = {MARK: BLOCK, b"mecano seal 1\0\0\0": 1024}
-"""Size of a block in bytes, by the mark of the file."""
 
 
 class Seal:
@@ -21,8 +19,6 @@ class Seal:
 
     Attributes
     ----------
-    block : int
-        Size of a block in bytes.
     covered : int
         Number of bytes covered.
     sums : (n,) array of uint32
@@ -31,24 +27,24 @@ class Seal:
         Whether the sums themselves are unchanged.
     """
 
-    def __init__(self, block: int, covered: int, sums: np.ndarray, whole: bool):
-        self.block, self.covered, self.sums, self.whole = block, covered, sums, whole
+    def __init__(self, covered: int, sums: np.ndarray, whole: bool):
+        self.covered, self.sums, self.whole = covered, sums, whole
 
     def changed(self, data: bytes | memoryview, first: int) -> np.ndarray:
         """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""
-        found = block_sums(data, self.block)
+        found = block_sums(data)
         return first + np.flatnonzero(found != self.sums[first : first + len(found)])
 
 
-def block_sums(data: bytes | memoryview, block: int = BLOCK) -> np.ndarray:
+def block_sums(data: bytes | memoryview) -> np.ndarray:
     """Return the CRC-32 (n,) uint32 of each block of bytes; the last one may be shorter."""
-    return np.array(crcs(data, block), "<u4")
+    return np.array(crcs(data), "<u4")
 
 
-def crcs(data: bytes | memoryview, block: int = BLOCK) -> list[int]:
+def crcs(data: bytes | memoryview) -> list[int]:
     """Return the CRC-32 of each block of bytes as a list."""
     view = memoryview(data)
-    return [zlib.crc32(view[i : i + block]) for i in range(0, len(view), block)]
+    return [zlib.crc32(view[i : i + BLOCK]) for i in range(0, len(view), BLOCK)]
 
 
 def seal(sums: np.ndarray, covered: int) -> bytes:
@@ -64,14 +60,13 @@ def seal_of(descriptor: int) -> Seal | None:
     if len(end) < END.size:
         return None
     mark, covered, total = END.unpack(end)
-    if mark not in BLOCKS:
+    if mark != MARK:
         return None
-    block = BLOCKS[mark]
-    length = 4 * -(-covered // block)
+    length = 4 * -(-covered // BLOCK)
     if covered + length + END.size != size:
-        return Seal(block, 0, np.zeros(0, "<u4"), False)
+        return Seal(0, np.zeros(0, "<u4"), False)
     sums = os.pread(descriptor, length, covered)
-    return Seal(block, covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
+    return Seal(covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
 
 
 def _sum_of(size, sums):

@@ -164,4 +164,4 @@ class Layout:
         series, steps = (
             [Series(**{**one, "shape": tuple(one["shape"])}) for one in stored[key]] for key in ("series", "steps")
         )
-        return cls(series, steps, Series(**{**stored["axis"], "shape": ()}) if "axis" in stored else TIME)
+        return cls(series, steps, Series(**{**stored["axis"], "shape": ()}))

@@ -129,7 +129,7 @@ class LastTable:
 
     def __init__(self, descriptor: int, blocks: int):
         self._descriptor, self._blocks = descriptor, blocks
-        self.block, self.covered = BLOCK, BLOCK * blocks
+        self.covered = BLOCK * blocks
 
     def changed(self, data: bytes | memoryview, first: int) -> np.ndarray:
         """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""

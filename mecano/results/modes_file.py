@@ -112,10 +112,10 @@ def read_modes(path: "str | os.PathLike[str]") -> ModesFile:
         values = numbers["real_part"] + 1j * numbers["imaginary_part"]
         kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
         resolved = json.loads(file["deck/resolved"][()])
-        converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
-        released = frozenset(name.decode() for name in file["released"][:]) if "released" in file else frozenset()
+        converged = file["converged"][:] > 0
+        released = frozenset(name.decode() for name in file["released"][:])
         return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
-                         resolved, read_displays(file, resolved), released)  # fmt: skip
+                         resolved, read_displays(file), released)  # fmt: skip
 
 
 def _groups(file, name):

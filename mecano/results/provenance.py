@@ -52,7 +52,7 @@ class Source:
             "includes": to_json(self.includes),
             "automatic": to_json(self.automatic),
             "model": to_json(self.model),
-            "remarks": to_json(list(self.warnings)),
+            "warnings": to_json(list(self.warnings)),
             "resumptions": to_json(list(self.resumptions)),
         }
 
@@ -65,10 +65,8 @@ def displays(resolved: Mapping[str, Any]) -> dict[str, Display]:
     return {name: KINDS[name].display if name in KINDS else Display() for name in used}
 
 
-def read_displays(file: h5py.File, resolved: Mapping[str, Any]) -> dict[str, Display]:
-    """Return ``displays`` as stored in an open results file; for older files, those of the current kinds."""
-    if "deck/displays" not in file:
-        return displays(resolved)
+def read_displays(file: h5py.File) -> dict[str, Display]:
+    """Return ``displays`` as stored in an open results file."""
     return {name: Display(**values) for name, values in json.loads(file["deck/displays"][()]).items()}
 
 

@@ -19,7 +19,7 @@ from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, 
 from mecano.results.lookup import ByName, Extremes, Lookup, require_names
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import is_running, read_displays, start_time
-from mecano.results.reason import is_resumption, split_reason
+from mecano.results.reason import split_reason
 from mecano.results.recorded import MAGNITUDE, Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
 
@@ -97,8 +97,7 @@ class Results(ByName):
         """Limit the numbers of rows to those present."""
         self._rows = self._file.rows_present("storage/output", self._rows)
         self._step_rows = self._file.rows_present("storage/solver", self._step_rows)
-        self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file.h5]  # older files have fewer
-        self._event_rows = min(self._file.rows_present(name, self._event_rows) for name in self._event_columns)
+        self._event_rows = min(self._file.rows_present(name, self._event_rows) for name in _EVENT_COLUMNS)
 
     def refresh(self) -> None:
         """Open the file again, to read data added by a running writer."""
@@ -194,7 +193,7 @@ class Results(ByName):
     @cached_property
     def events(self) -> list[Event]:
         """List of all Events in order of time."""
-        columns = [self._file.read(name, slice(self._event_rows)) for name in self._event_columns]
+        columns = [self._file.read(name, slice(self._event_rows)) for name in _EVENT_COLUMNS]
         return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
 
     def subject(self, event: Event) -> tuple[str, str]:
@@ -240,8 +239,7 @@ class Results(ByName):
         with self._file.reading("run/clock"):
             metadata["wall_time"], metadata["processor_time"] = map(float, self._file.read("run/clock", slice(None)))
         with self._file.reading("run/compile_time"):
-            reported = "compile_time" in self._file.h5["run"]  # older files count it as wall time
-            metadata["compile_time"] = float(self._file.read("run/compile_time", ())) if reported else 0.0
+            metadata["compile_time"] = float(self._file.read("run/compile_time", ()))
         return metadata
 
     @cached_property
@@ -260,9 +258,9 @@ class Results(ByName):
 
     @cached_property
     def displays(self) -> dict[str, Display]:
-        """Displays of the kinds of the deck: {kind: Display}; for older files, those of the current kinds."""
+        """Displays of the kinds of the deck: {kind: Display}."""
         with self._file.reading("deck/displays"):
-            return read_displays(self._file.h5, self.resolved)
+            return read_displays(self._file.h5)
 
     @cached_property
     def automatic(self) -> dict[str, float]:
@@ -271,21 +269,18 @@ class Results(ByName):
 
     @cached_property
     def model(self) -> dict[str, Any]:
-        """Properties of the model: name -> number, or text; empty for older files."""
-        return self._file.json("deck/model", dict) if "deck/model" in self._file.h5 else {}
+        """Properties of the model: name -> number, or text."""
+        return self._file.json("deck/model", dict)
 
     @cached_property
     def warnings(self) -> list[str]:
         """Warnings about the model issued before the run and, if it is complete, about its results: list of str."""
-        before = self._file.json("deck/remarks", list)
-        return [*(text for text in before if text not in self.remarks), *self._ended[1]]
+        return [*self._file.json("deck/warnings", list), *self._ended[1]]
 
     @cached_property
     def remarks(self) -> list[str]:
         """Notes on the run that leave its results as they are, namely where it was resumed: list of str."""
-        if "deck/resumptions" in self._file.h5:
-            return self._file.json("deck/resumptions", list)
-        return [text for text in self._file.json("deck/remarks", list) if is_resumption(text)]
+        return self._file.json("deck/resumptions", list)
 
     @cached_property
     def checkpoint(self) -> "SavedState | None":

@@ -6,13 +6,6 @@ SEPARATOR = ";\n"
 ENDED = "the end was reached"  # reason of most complete runs
 UNTIL = "{} was met"  # of runs that a condition ends
 
-RESUMED, DOUBT = "resumed at", ";"  # of older files, which have resumptions among their warnings
-
-
-def is_resumption(text: str) -> bool:
-    """Return whether a warning of an older file is the note of a resumption that changes no bit."""
-    return text.startswith(RESUMED) and DOUBT not in text
-
 
 def with_warnings(reason: str, warnings: Iterable[str]) -> str:
     """Return the text to store of a complete run that ends for a ``reason``, with ``warnings`` found at its end."""
@@ -20,12 +13,6 @@ def with_warnings(reason: str, warnings: Iterable[str]) -> str:
 
 
 def split_reason(stored: str) -> tuple[str, list[str]]:
-    """Return (reason, list of warnings) of the stored text of a complete run.
-
-    Older files do not separate several warnings, which are one text then.
-    """
+    """Return (reason, list of warnings) of the stored text of a complete run."""
     reason, *warnings = stored.split(SEPARATOR)
-    if reason.startswith(f"{ENDED}; "):
-        warnings = [stored.removeprefix(f"{ENDED}; ")]
-        reason = ENDED
     return reason, warnings

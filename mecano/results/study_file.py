@@ -98,9 +98,8 @@ class StudyTable:
 
     @property
     def warnings(self) -> list[list[str]]:
-        """Lists of warnings of all cases; empty for those of older files."""
-        texts = next((column.values for column in self.columns if column.path == "case/warnings"), ())
-        return [text.split(BETWEEN) if text else [] for text in texts]
+        """Lists of warnings of all cases."""
+        return [text.split(BETWEEN) if text else [] for text in self["case/warnings"]]
 
 
 def within(limits: Bounds, value: float) -> bool:

@@ -75,7 +75,7 @@ class SweepFile:
     other: np.ndarray  # (m,); one nan when there is one parameter
     modes: dict[str, np.ndarray]  # name -> (modes, n)
     motions: list[str]  # (modes,) largest motions
-    families: list[list[str]]  # (modes,) (n,) of their families, "" where there is none; empty in older files
+    families: list[list[str]]  # (modes,) (n,) of their families, "" where there is none
     map: dict[str, np.ndarray]  # name -> (m, n)
     critical: dict[str, np.ndarray]  # name -> (c,)
     rotor: str = ""  # node of a Campbell diagram; "" without one
@@ -114,9 +114,7 @@ def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
     with open_format(path, FORMAT, "a file of a sweep") as file:
         groups = {key: _columns(file.get(key, {}), columns) for key, columns in GROUPS}
         motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
-        families = (
-            [[text.decode() for text in row] for row in file["modes/family"][:]] if "modes/family" in file else []
-        )
+        families = [[text.decode() for text in row] for row in file["modes/family"][:]] if groups["modes"] else []
         run = file["run"].attrs
         return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
                          file["parameter"][:], file["other"][:], groups["modes"], motions, families,
@@ -126,7 +124,7 @@ def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
 
 
 def _columns(group, columns):
-    """Return {name: values} of a group, without columns that older files do not have."""
+    """Return {name: values} of the columns that a group has."""
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import h5py
 
 from mecano.errors import ResultsError, name_list
-from mecano.results.checksums import Seal
+from mecano.results.checksums import BLOCK, Seal
 from mecano.results.layout import FORMAT
 from mecano.results.opening import errors_as_damage, format_of, open_checked, open_source
 from mecano.results.reader import open_results
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROWS = 1024  # read at once
 MOST = 24  # datasets named: a block may hold many short ones
-LOST = "its last bytes, with the checksums, are missing or have changed, unless an older version of mecano wrote it"
+LOST = "its last bytes, with the checksums, are missing or have changed"
 STRUCTURE = "metadata (names, shapes, attributes, texts of the deck)"
 
 
@@ -53,11 +53,10 @@ def _damage(source):
     changed = source.changed()
     if not len(changed):
         return ""
-    block = source.block
-    of = owners(path, changed, block)
+    of = owners(path, changed)
     named = name_list(of, MOST, "; ")
-    total = -(-min(sums.covered, source.size) // block)
-    where = f"{len(changed)} of {total} blocks of {block} bytes, the first at byte {block * changed[0]}"
+    total = -(-min(sums.covered, source.size) // BLOCK)
+    where = f"{len(changed)} of {total} blocks of {BLOCK} bytes, the first at byte {BLOCK * changed[0]}"
     return f"{path} is damaged: bytes have changed in {where}. Data affected: {named}"
 
 
@@ -80,8 +79,8 @@ def _undamaged(path, source):
         raise ResultsError(f"{reported}; {LOST}; {_checked(results)}")
 
 
-def owners(path: "str | os.PathLike[str]", blocks: "np.ndarray", size: int) -> list[str]:
-    """Return the names of datasets with bytes in the ``blocks`` (n,) of ``size`` bytes, in the order of the file."""
+def owners(path: "str | os.PathLike[str]", blocks: "np.ndarray") -> list[str]:
+    """Return the names of datasets with bytes in the ``blocks`` (n,), in the order of the file."""
     try:
         with open_checked(path) as file:
             extents = sorted(_extents(file))
@@ -90,7 +89,7 @@ def owners(path: "str | os.PathLike[str]", blocks: "np.ndarray", size: int) -> l
     begins, ends = [a for a, _, _ in extents], [b for _, b, _ in extents]  # both ascend, as extents do not overlap
     found, between = [], False
     for block in blocks:
-        first, last = size * int(block), size * (int(block) + 1)
+        first, last = BLOCK * int(block), BLOCK * (int(block) + 1)
         inside = extents[bisect_right(ends, first) : bisect_left(begins, last)]
         found += [name for _, _, name in inside]
         edges = [first, *(edge for a, b, _ in inside for edge in (a, b)), last]

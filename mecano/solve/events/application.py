@@ -127,13 +127,13 @@ class EventApplication:
     def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers and lists from which ``from_plain`` continues."""
         repeats = [[*key, count] for key, count in self.repeats.items()]
-        return {"since": self.since, "at_once": repeats, "neglecting": sorted(self.neglecting)}
+        return {"since": self.since, "repeats": repeats, "neglecting": sorted(self.neglecting)}
 
     def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue from the result of ``to_plain``."""
         self.since = plain["since"]
-        self.repeats = Counter({(element, name): count for element, name, count in plain["at_once"]})
-        self.neglecting = set(plain.get("neglecting", ()))  # older checkpoints have none
+        self.repeats = Counter({(element, name): count for element, name, count in plain["repeats"]})
+        self.neglecting = set(plain["neglecting"])
         self._suppress_rebound()
 
 

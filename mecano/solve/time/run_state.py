@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from mecano.solve.time.radau import Radau
 
 Method: TypeAlias = "GeneralizedAlpha | Radau"  # a method of time integration
-STORED = {"phases": "modes"}  # names of fields in checkpoints, if different
 
 
 @dataclass(slots=True)
@@ -61,16 +60,15 @@ def from_plain(plain: Mapping[str, Any]) -> RunState:
 
 
 def _values(record):
-    return {STORED.get(field.name, field.name): getattr(record, field.name) for field in fields(record)}
+    return {field.name: getattr(record, field.name) for field in fields(record)}
 
 
 def _history(plain):
     if "tangent" not in plain:
         return RadauHistory(**plain)
     tangent = plain["tangent"] and _state(plain["tangent"])
-    known = tangent and tangent.start_spins is not None  # not in files of earlier versions: a new one is evaluated
-    return History(**(plain | {"tangent": tangent if known else None}))
+    return History(**(plain | {"tangent": tangent}))
 
 
 def _state(plain):
-    return State(**{field.name: plain.get(STORED.get(field.name, field.name)) for field in fields(State)})
+    return State(**{field.name: plain[field.name] for field in fields(State)})

@@ -179,12 +179,12 @@ class TimeIntegrator:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the state of the time loop itself, without the run, as dicts, lists, texts and numbers."""
-        own = {"remarks": list(self.warnings), "cuts": list(self.cuts)}
+        own = {"warnings": list(self.warnings), "cuts": list(self.cuts)}
         return {**own, **self.events.to_plain(), "capture": self.capture.to_plain()}
 
     def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Restore the state returned by ``to_plain``."""
-        self.warnings[:], self.cuts = plain["remarks"], [tuple(cut) for cut in plain["cuts"]]
+        self.warnings[:], self.cuts = plain["warnings"], [tuple(cut) for cut in plain["cuts"]]
         self.events.from_plain(plain)
         self.capture.from_plain(plain["capture"])
 
