@@ -68,7 +68,7 @@ def test_pid_controller_of_a_mass_with_a_delay(verify, signal):
         w = brentq(lambda w: of_servo(1j * w).imag, low, high, xtol=1e-13)
         assert own == pytest.approx((1.0 / abs(of_servo(1j * w)), w / (2 * np.pi)), rel=1e-9)
     nearest = minimize_scalar(lambda w: abs(1.0 + of_servo(1j * w)), (20.0, 25.0, 30.0), tol=1e-12)
-    assert found.sensitivity == pytest.approx((1.0 / nearest.fun, nearest.x / (2 * np.pi)), rel=1e-7)
+    assert found.sensitivity_peak == pytest.approx((1.0 / nearest.fun, nearest.x / (2 * np.pi)), rel=1e-7)
     assert found.growing == 0 and not found.warnings
 
 
@@ -179,9 +179,9 @@ def test_a_loop_without_damping():
     """L = kp/(m s^2): the phase margin is zero, the closed loop oscillates at sqrt(kp/m)."""
     late = "late: {type: formula, value: 300*error}"
     found = loop(servo(late=late).replace("value: motor}", "value: late}"), "late")
-    assert np.isinf(found.sensitivity.value)
+    assert np.isinf(found.sensitivity_peak.value)
     assert found.phase == pytest.approx((0.0, np.sqrt(150.0) / (2 * np.pi)), rel=1e-9, abs=1e-9)
-    assert found.sensitivity.frequency == pytest.approx(np.sqrt(150.0) / (2 * np.pi), rel=1e-9)
+    assert found.sensitivity_peak.frequency == pytest.approx(np.sqrt(150.0) / (2 * np.pi), rel=1e-9)
 
 
 def test_an_open_loop_with_a_pole_on_the_axis():

@@ -15,6 +15,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.info import info
 from mecano.post.pictures import post
 from mecano.results.response_file import read_response
+from mecano.solve.modal.state_space import state_space
 
 TIME = "time: {end: 1, step: 1.0e-3}"
 
@@ -37,7 +38,7 @@ def s_of(found):
 
 def state_space_error(found):
     """Return the largest difference of the state space from the responses, relative to the largest of each pair."""
-    model = linear_model(found).matrices
+    model = state_space(found.plant)
     own = np.array([model.C @ model.motion(s) + model.D for s in s_of(found)])
     size = np.abs(found.values).max(axis=0)
     return float((np.abs(own - found.values).max(axis=0) / np.where(size > 0.0, size, np.inf)).max())
@@ -65,10 +66,10 @@ def test_oscillator():
     H = 1.0 / (2.0 * s**2 + 4.0 * s + 200.0)
     assert error(found, H, s * H, s**2 * H, -(4.0 * s + 200.0) * H) < 1e-12
     assert found.output_units == ("m", "m/s", "m/s2", "N") and found.input_units == ("N",)
-    assert found.static[[0, 3], 0] == pytest.approx([0.005, -1.0], rel=1e-6) and found.static[1, 0] == 0.0
+    assert found.static_gain[[0, 3], 0] == pytest.approx([0.005, -1.0], rel=1e-6) and found.static_gain[1, 0] == 0.0
     assert state_space_error(found) < 1e-12
     w, zeta = 10.0, 0.1
-    peaks = {found.outputs[one.output]: one for one in found.peaks}
+    peaks = {one.output: one for one in found.peaks}
     displaced = peaks["weight.position.z"]
     assert displaced.frequency == pytest.approx(w * np.sqrt(1 - 2 * zeta**2) / (2 * np.pi), rel=1e-7)
     assert abs(displaced.value) == pytest.approx(0.005 / (2 * zeta * np.sqrt(1 - zeta**2)), rel=1e-12)
@@ -168,7 +169,7 @@ def test_absorber_without_damping():
     assert np.abs(apart).max() < 1e-10 * 100  # points within 1e-4 of a pole and of the zero are among them
     squares = np.sort(np.roots([10, 2100, 100 * 1000]).real)[::-1]
     for i in range(2):
-        peaks = [one for one in found.peaks if one.output == i]
+        peaks = [one for one in found.peaks if one.output == found.outputs[i]]
         exact = np.sqrt(-squares) / (2 * np.pi)
         assert [one.frequency for one in peaks] == pytest.approx(exact.tolist(), rel=1e-10)
         assert all(np.isinf(one.value) for one in peaks)
@@ -272,7 +273,7 @@ def test_controlled_cart():
     for j in (1, 2):
         assert np.abs(found.values[:, 0, j] / moved[j] - 1).max() < 1e-10
     assert np.abs(found.values[:, 2, 1] - closed).max() < 1e-10  # thrust as it is read
-    assert found.static[:2, 0] == pytest.approx([1.0, 0.0], abs=1e-6)
+    assert found.static_gain[:2, 0] == pytest.approx([1.0, 0.0], abs=1e-6)
     assert state_space_error(found) < 1e-10
     model = linear_model(found)
     assert sorted(model.states) == sorted(
@@ -437,9 +438,9 @@ initial: static
     outputs = ["beam.1.moment_start.y", "clamp.moment.y", "tip.rotation.y", "beam.4.position.z", "beam.8.strain_energy"]
     found = respond(model, ["push.value"], outputs, 0.5, 60.0, number=30)
     stiffness, sag = 210e9 * 0.04 * 0.02**3 / 12, 5e-3
-    assert found.static[:2, 0] == pytest.approx([-1.0, 1.0], abs=sag)
-    assert found.static[2, 0] == pytest.approx(-1 / (2 * stiffness), rel=sag)
-    assert found.static[3, 0] == pytest.approx(0.5**2 * (3 - 0.5) / (6 * stiffness), rel=sag)
+    assert found.static_gain[:2, 0] == pytest.approx([-1.0, 1.0], abs=sag)
+    assert found.static_gain[2, 0] == pytest.approx(-1 / (2 * stiffness), rel=sag)
+    assert found.static_gain[3, 0] == pytest.approx(0.5**2 * (3 - 0.5) / (6 * stiffness), rel=sag)
     low = found.frequency < 5.0
     assert np.abs(found.values[low, 0, 0] / found.values[low, 1, 0] + 1.0).max() < 1e-3
     assert found.output_units == ("N m", "N m", "rad", "m", "J")
@@ -467,7 +468,7 @@ def test_section_forces_of_a_microbeam():
         respond(CANTILEVER.replace("LENGTH", str(x)), given, outputs, 10.0 / x, 500.0 / x, number=9, refined=False)
         for x in (1.0, 1e-4)
     )
-    assert small.static[:, 0] == pytest.approx([1.0, -1e-4], rel=1e-8)
+    assert small.static_gain[:, 0] == pytest.approx([1.0, -1e-4], rel=1e-8)
     np.testing.assert_allclose(small.values[:, 0], large.values[:, 0], rtol=1e-8)
     np.testing.assert_allclose(small.values[:, 1] * 1e4, large.values[:, 1], rtol=1e-8)
     assert np.abs(large.values[:, 0]).max() > 1.5  # masses and damping count
@@ -479,7 +480,7 @@ def test_forces_of_superelements():
     outputs = ["s8.force_2.y", "s1.moment_1.z", "motor.moment", "s4.moment_2.z", "s5.moment_1.z"]
     model = input_deck("superelement_arm", push, "joints.motor.value=0")
     found = respond(model, ["push.value"], outputs, 0.01, 3.0, number=12, refined=False)
-    assert found.static[:, 0] == pytest.approx([1.0, -10.0, -10.0, 5.0, -5.0], rel=1e-6)
+    assert found.static_gain[:, 0] == pytest.approx([1.0, -10.0, -10.0, 5.0, -5.0], rel=1e-6)
     tip, root, shaft, left, right = found.values[:, :, 0].T
     assert np.abs(tip - 1.0).max() < 2e-6
     assert np.abs(root / shaft - 1.0).max() < 1e-6 and np.abs(left / right + 1.0).max() < 2e-6
@@ -519,7 +520,7 @@ def test_redundant_constraints_share_their_reactions():
     H = 1.0 / ((5 + 20 * 0.25) * s**2 + 3 * s + 90)
     assert error(found, H, 20 * 0.5 * s**2 * H) < 3e-7
     assert state_space_error(found) < 5e-8
-    model = linear_model(found).matrices
+    model = state_space(found.plant)
     own = np.array([model.C @ model.motion(one) + model.D for one in s])[:, :2, 0].T
     assert np.abs(own / [H, 20 * 0.5 * s**2 * H] - 1.0).max() < 1e-12
 
@@ -597,7 +598,7 @@ def test_vehicle_in_steady_running():
     v, r = (front * turned - a * front * turning) / D, (a * front * sideways - front * moved) / D
     assert error(found, r, s * v + V * r, 1.0 + 0.0 * s) < 1e-5
     wheelbase, understeer = a + b, m * (b / 8e4 - a / 9e4) / (a + b)
-    assert found.static[0, 0] == pytest.approx(V / (wheelbase + understeer * V**2), rel=1e-4)
+    assert found.static_gain[0, 0] == pytest.approx(V / (wheelbase + understeer * V**2), rel=1e-4)
     assert state_space_error(respond(vehicle(8e4, 9e4, 0.5), ["steer"], outputs[:1], 0.1, 5.0)) < 1e-5
 
 

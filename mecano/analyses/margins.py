@@ -97,14 +97,14 @@ class Margins:
     """The loop transfer function L of a signal over the frequency, and its margins."""
 
     signal: str
-    frequency: np.ndarray  # (n,) [Hz], ascending
-    values: np.ndarray  # (n,) complex L
+    frequency: np.ndarray = field(repr=False)  # (n,) [Hz], ascending
+    values: np.ndarray = field(repr=False)  # (n,) complex L
     static: float  # limit of L at low frequency; nan where there is none
-    crossovers: list[Crossover]
-    sensitivity: Margin  # largest modulus of 1/(1 + L)
+    crossovers: list[Crossover] = field(repr=False)
+    sensitivity_peak: Margin  # largest modulus of 1/(1 + L)
     growing: int | None  # poles of the closed loop that grow; None if not determined
     about: str
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = field(repr=False)
     plant: Plant = field(repr=False)
 
     def _least(self, name: str, sizes: list[float]) -> Margin:
@@ -114,6 +114,19 @@ class Margins:
             return Margin(np.nan, np.nan)
         one = self.crossovers[min(known)[1]]
         return Margin(float(getattr(one, name)), one.frequency)
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether the closed loop is stable; None if not determined."""
+        return None if self.growing is None else not self.growing
+
+    @property
+    def text(self) -> str:
+        """The table that `mecano margins` prints, and the warnings."""
+        return "\n".join([*table(self), *(f"mecano: {text}" for text in self.warnings)])
+
+    def __str__(self):
+        return self.text
 
     @property
     def gain(self) -> Margin:
@@ -159,7 +172,7 @@ def margins(
             write_margins(path, plain, source_of(deck, warnings=found.warnings), force=force)
             if columns:
                 write_table(path, plain, force)
-    return "\n".join([*table(found), *(f"mecano: {text}" for text in found.warnings)]), found
+    return found.text, found
 
 
 def _find(deck, request):
@@ -236,7 +249,7 @@ def _margins(closed, loop, request, signal, samplers):
     omegas, values = L.values
     numbers = {
         "frequency": omegas / (2.0 * np.pi), "values": values[:, 0, 0], "static": static, "crossovers": found,
-        "sensitivity": Margin(*highest(S, () if closed.late else own)),
+        "sensitivity_peak": Margin(*highest(S, () if closed.late else own)),
         "growing": _growing(closed, loop, transfer, base, samplers, whole),
     }  # fmt: skip
     return _Found(numbers, H.error, list(_averaged(signal, samplers, transfer, whole)))
@@ -340,7 +353,7 @@ def _unsure(found, request) -> "Iterator[str]":
 def contents(found: Margins) -> dict[str, Any]:
     """Return the content of the file as plain numbers; see docs/results-file.md."""
     named = {"gain": found.gain, "gain_reduction": found.gain_reduction, "phase": found.phase, "delay": found.delay}
-    named["sensitivity_peak"] = found.sensitivity
+    named["sensitivity_peak"] = found.sensitivity_peak
     margins = {name: margin.value for name, margin in named.items()}
     margins |= {f"{name}_frequency": margin.frequency for name, margin in named.items()}
     crossovers = {name: [getattr(one, name) for one in found.crossovers] for name in COLUMNS}

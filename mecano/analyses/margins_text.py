@@ -46,7 +46,7 @@ def _margins(found):
     yield "phase", _number(np.degrees(phase)), "deg" if np.isfinite(phase) else "", _number(frequency, "")
     delay, frequency = found.delay
     yield "delay", _number(delay), "s" if np.isfinite(delay) else "", _number(frequency, "")
-    peak, frequency = found.sensitivity
+    peak, frequency = found.sensitivity_peak
     where = "end of range" if frequency in found.frequency[[0, -1]] else ""
     yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "infinite", where, f"{frequency:.6g}"
 

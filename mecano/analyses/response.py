@@ -21,13 +21,13 @@ from mecano.analyses.small_motion_warnings import (
     slow_response_warnings,
 )
 from mecano.analyses.source import source_of
-from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant, write_state_space
-from mecano.errors import UsageError
+from mecano.analyses.state_space_file import LinearModel, linear_model, refuse, refuse_plant, write_state_space
+from mecano.errors import UnknownNameError, UsageError
 from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.file_names import to_be_written
 from mecano.results.response_file import refuse_table, write_response, write_table
-from mecano.solve.modal.frequency_grid import Peak, Sampled, grid, peaks, refine
+from mecano.solve.modal.frequency_grid import Sampled, grid, peaks, refine
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
 from mecano.solve.modal.late_feedback import growing_poles
 from mecano.solve.modal.linearize import linearize
@@ -91,22 +91,64 @@ class ResponseRequest(FrequencyRequest):
                 raise UsageError(f"the {channel} {twice[0]} is given twice")
 
 
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of the magnitude of a transfer function."""
+
+    output: str
+    input: str
+    frequency: float  # [Hz]
+    value: complex  # infinite without damping
+
+
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """Transfer functions between inputs and outputs over the frequency."""
+    """Transfer functions over the frequency; ``found(output, input)`` is one of them."""
 
-    frequency: np.ndarray  # (n,) [Hz], ascending
-    values: np.ndarray  # (n, p, m) complex
+    frequency: np.ndarray = field(repr=False)  # (n,) [Hz], ascending
+    values: np.ndarray = field(repr=False)  # (n, p, m) complex, output unit per input unit
     inputs: tuple[str, ...]  # (m,)
     outputs: tuple[str, ...]  # (p,)
     input_units: tuple[str, ...]
     output_units: tuple[str, ...]
-    static: np.ndarray  # (p, m) limit at low frequency; nan where there is none
-    peaks: list[Peak]
+    static_gain: np.ndarray = field(repr=False)  # (p, m) limit at low frequency; nan where there is none
+    peaks: tuple[Peak, ...] = field(repr=False)
     about: str
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = field(repr=False)
     plant: Plant = field(repr=False)
     base: OperatingPoint = field(repr=False)
+
+    def __call__(self, output: str | None = None, input: str | None = None) -> np.ndarray:
+        """Return a transfer function (n,); the name of a single input or output may be omitted.
+
+        Raises UnknownNameError.
+        """
+        i, j = _place(output, self.outputs, "output"), _place(input, self.inputs, "input")
+        return self.values[:, i, j]
+
+    def state_space(self) -> LinearModel:
+        """Return the linear model as matrices of independent first-order equations.
+
+        Raises UsageError if a transfer function grows with the frequency, or a signal is delayed.
+        """
+        return linear_model(self)
+
+    @property
+    def text(self) -> str:
+        """The table that `mecano response` prints, and the warnings."""
+        return "\n".join([*table(self), *(f"mecano: {text}" for text in self.warnings)])
+
+    def __str__(self):
+        return self.text
+
+
+def _place(name, names, what):
+    """Return the index of an output or input. Raises UnknownNameError."""
+    if name is None and len(names) == 1:
+        return 0
+    if name not in names:
+        raise UnknownNameError(f"no {what} {name!r} in this response: there are {', '.join(names)}")
+    return names.index(name)
 
 
 def response(
@@ -134,7 +176,7 @@ def response(
             write_response(path, found, source_of(deck, warnings=found.warnings), force=force)
             if columns:
                 write_table(path, found, force)
-    lines = [*table(found), *(f"mecano: {text}" for text in found.warnings)]
+    lines = [found.text]
     if state_space is not None and matrices is not None:
         lines.append(write_state_space(state_space, found, matrices))
     return "\n".join(lines), found
@@ -177,7 +219,8 @@ def _find(deck, request, to_export):
         outputs=tuple(one.name for one in outputs),
         input_units=tuple(_known(units.get(f"signals/{one.signal}/value"), one.unit) for one in inputs),
         output_units=tuple(_unit_of(one, units) for one in outputs),
-        static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
+        static_gain=static, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
+        peaks=tuple(Peak(outputs[i].name, inputs[j].name, frequency, value) for i, j, frequency, value in found),
     )  # fmt: skip
 
 
@@ -256,12 +299,12 @@ def _sampled_response(plant, request):
     H = TransferFunction(plant)
     sampled = Sampled(lambda omega: H(1j * omega))
     base = request.grid
-    found: list[Peak] = []
     if request.refined and request.number > 1:
         poles = poles_up_to(plant.lin, BEYOND * base[-1])
         refine(sampled, base, poles)
         found = peaks(sampled, () if plant.late else poles)  # without late feedback the poles are others
     else:
+        found = []
         for omega in base.tolist():
             sampled.at(omega)
     omegas, values = sampled.values

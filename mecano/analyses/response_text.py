@@ -20,8 +20,8 @@ def table(found: "Response") -> list[str]:
     for j, source in enumerate(found.inputs):
         for i, output in enumerate(found.outputs):
             unit = ratio_unit(found.output_units[i], found.input_units[j])
-            peaks = _highest([peak for peak in found.peaks if (peak.output, peak.input) == (i, j)])
-            static = found.static[i, j]
+            peaks = _highest([peak for peak in found.peaks if (peak.output, peak.input) == (output, source)])
+            static = found.static_gain[i, j]
             first = (source, output, unit, "-" if np.isnan(static) else f"{static + 0.0:.6g}", _bandwidth(found, i, j))
             for k, peak in enumerate(peaks or [None]):
                 rows.append((*(first if k == 0 else ("",) * 5), *_peak(peak)))
@@ -46,7 +46,7 @@ def _peak(peak):
 
 def _bandwidth(found, i, j):
     """Return the frequency [Hz], as text, at which the magnitude has fallen by 3 dB below the static gain; or "-"."""
-    static, size = abs(found.static[i, j]), np.abs(found.values[:, i, j])
+    static, size = abs(found.static_gain[i, j]), np.abs(found.values[:, i, j])
     limit = static / np.sqrt(2.0)
     below = np.flatnonzero(size < limit)
     if not static > 0.0 or not len(below) or below[0] == 0 or not size[below[0]] > 0.0:

@@ -12,7 +12,7 @@ from mecano.errors import ConvergenceError, UsageError
 from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.results.whole_file import atomic_file, refuse_present
 from mecano.solve.modal.frequency_response import TransferFunction
-from mecano.solve.modal.state_space import ImproperError, StateSpace, state_space
+from mecano.solve.modal.state_space import ImproperError, state_space
 
 if TYPE_CHECKING:
     from mecano.analyses.response import Response
@@ -36,12 +36,17 @@ def refuse(path: "str | os.PathLike[str]", force: bool) -> None:
 
 @dataclass(frozen=True)
 class LinearModel:
-    """A StateSpace with names and units of its states, such as "weight.position.z" and "d/dt weight.position.z"."""
+    """The equations x' = A x + B u, z = C x + D u of small motions; a state "d/dt a" is a rate."""
 
-    matrices: StateSpace
+    A: np.ndarray  # (n, n)
+    B: np.ndarray  # (n, m)
+    C: np.ndarray  # (p, n)
+    D: np.ndarray  # (p, m)
+    states: tuple[str, ...]
+    state_units: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
     difference: float  # of its responses from those of the sparse equations, relative
-    states: list[str]
-    units: list[str]
 
 
 def linear_model(found: "Response") -> LinearModel:
@@ -63,7 +68,8 @@ def linear_model(found: "Response") -> LinearModel:
     system = found.base.prepared.system
     pairs = zip(model.states.tolist(), model.is_rate.tolist(), strict=True)
     named = [_named(system, i, is_rate) for i, is_rate in pairs]
-    return LinearModel(model, difference, [name for name, _ in named], [unit for _, unit in named])
+    states, units = tuple(name for name, _ in named), tuple(unit for _, unit in named)
+    return LinearModel(model.A, model.B, model.C, model.D, states, units, found.inputs, found.outputs, difference)
 
 
 def refuse_plant(plant: "Plant") -> None:
@@ -128,11 +134,10 @@ def write_state_space(path: "str | os.PathLike[str]", found: "Response", model: 
 
     Raises ResultsError.
     """
-    of = model.matrices
     contents = {
-        "A": of.A, "B": of.B, "C": of.C, "D": of.D, "states": model.states, "state_units": model.units,
-        "inputs": found.inputs, "input_units": found.input_units, "outputs": found.outputs,
-        "output_units": found.output_units,
+        "A": model.A, "B": model.B, "C": model.C, "D": model.D, "states": model.states,
+        "state_units": model.state_units, "inputs": found.inputs, "input_units": found.input_units,
+        "outputs": found.outputs, "output_units": found.output_units,
     }  # fmt: skip
     with atomic_file(Path(path)) as hidden:
         hidden.write_bytes(_mat(contents) if Path(path).suffix == ".mat" else _npz(contents))

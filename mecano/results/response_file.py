@@ -33,8 +33,8 @@ PEAKS = (
 class FoundPeak(Protocol):
     """A peak of a transfer function."""
 
-    output: int
-    input: int
+    output: str
+    input: str
     frequency: float
     value: complex
 
@@ -48,7 +48,7 @@ class Found(Protocol):
     outputs: tuple[str, ...]
     input_units: tuple[str, ...]
     output_units: tuple[str, ...]
-    static: np.ndarray
+    static_gain: np.ndarray
     peaks: "Sequence[FoundPeak]"
     about: str
 
@@ -91,7 +91,7 @@ def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source
             for axis, scale in enumerate(("frequency", "output", "input")):
                 dataset.dims[axis].attach_scale(file[scale])
         doc = "limit at low frequency, output unit per input unit; nan if none"
-        put_numbers(file, "static_gain", found.static, "", doc)
+        put_numbers(file, "static_gain", found.static_gain, "", doc)
         for name, values in _peaks(found).items():
             unit, doc = next((unit, doc) for one, unit, doc in PEAKS if one == name)
             put_numbers(file, f"peaks/{name}", values, unit, doc)
@@ -102,8 +102,8 @@ def _peaks(found):
     values = np.array([peak.value for peak in found.peaks], complex)
     finite = np.isfinite(values)
     return {
-        "output": np.array([1 + peak.output for peak in found.peaks], float),
-        "input": np.array([1 + peak.input for peak in found.peaks], float),
+        "output": np.array([1 + found.outputs.index(peak.output) for peak in found.peaks], float),
+        "input": np.array([1 + found.inputs.index(peak.input) for peak in found.peaks], float),
         "frequency": np.array([peak.frequency for peak in found.peaks], float),
         "magnitude": np.where(finite, np.abs(values), np.inf),
         "phase": np.where(finite, np.angle(np.where(finite, values, 1.0)), np.nan),

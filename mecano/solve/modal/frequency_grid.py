@@ -5,7 +5,7 @@ any two points whose responses differ much, and each peak is located.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,12 +22,11 @@ ROUNDS = 12
 SIDES = -1.0, 1.5  # factors of the distances below and above a resonance; unequal, to avoid the midpoint
 
 
-@dataclass(frozen=True)
-class Peak:
+class Peak(NamedTuple):
     """A local maximum of the magnitude of a transfer function."""
 
-    output: int
-    input: int
+    output: int  # index
+    input: int  # index
     frequency: float  # [Hz]
     value: complex  # of the transfer function; infinite if the mode has no damping
 
