@@ -3,7 +3,6 @@
 import io
 import os
 import re
-import shutil
 import subprocess
 import sys
 
@@ -115,27 +114,6 @@ def test_named_views_carry_units_meanings_and_time(finished):
         assert file["time"].attrs["units"] == "s" and np.array_equal(file["time"][:], samples.time_of(np.arange(40)))
         assert np.array_equal(file["solver/step_size"][:], np.arange(40.0)) and "checkpoints" in file
         assert file["run/status"][()] == b"stopped" and file["run/acknowledged"][:3].tolist() == [40, 40, 40]
-
-
-def test_h5dump_shows_the_values(finished):
-    if shutil.which("h5dump") is None:
-        pytest.skip("h5dump is not installed")
-    command = ["h5dump", "-w", "0", "-m", "%.17g", "-d", "/joints/knee/angle", finished]
-    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    data = shown.split("DATA {")[1].split("}")[0]
-    numbers = [float(x) for line in data.strip().splitlines() for x in line.split(":")[1].strip(" ,").split(",")]
-    angle = samples.LAYOUT.slices["joints/knee/angle"]
-    assert numbers == samples.rows_of(np.arange(40))[:, angle].ravel().tolist()
-
-
-def test_xarray_reads_the_views(finished):
-    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
-    pytest.importorskip("h5netcdf", reason="h5netcdf is not installed")
-    with xarray.open_datatree(finished, engine="h5netcdf") as tree:
-        position = tree["nodes/axle/position"]
-        assert position.dims == ("time", "xyz") and position.attrs["units"] == "m"
-        assert np.array_equal(position.values, samples.rows_of(np.arange(40))[:, :3])
-        assert np.array_equal(position.time.values, samples.time_of(np.arange(40)))
 
 
 @pytest.mark.parametrize(
