@@ -1,12 +1,13 @@
 """Laws: derivatives by differences, potentials by quadrature, tables against scipy, values by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
+from mecano.analyses.law_tests import OF_TERMS
 from mecano.laws import TERMS
 from mecano.laws.line import along_line, line_of_time
 from mecano.laws.probe import curve_at, shape_of_curve
@@ -68,7 +69,6 @@ CASES = {
 }
 every_case = pytest.mark.parametrize(("name", "values", "corners"), CASES.values(), ids=CASES)
 of_role = {role: [case for case in CASES.items() if TERMS[case[1][0]].role == role] for role in ("curve", "force")}
-STEP = 1e-5
 
 
 def packed(*terms):
@@ -84,23 +84,14 @@ def points_away_from(corners, rng):
     return [x for x in s if all(abs(x - corner) > 1e-3 for corner in corners)]
 
 
-def difference(function, x):
-    return (np.array(function(x + STEP)) - np.array(function(x - STEP))) / (2 * STEP)
-
-
 def test_every_term_has_a_case():
     assert {case[0] for case in CASES.values()} == set(TERMS)
 
 
-@pytest.mark.parametrize(("name", "values", "corners"), dict(of_role["curve"]).values(), ids=dict(of_role["curve"]))
-def test_derivatives_of_curves(name, values, corners):
-    laws, start = packed((name, values))
-    inner = corners if name != "table" else [point[0] for point in values["points"]]
-    for s in points_away_from(inner, np.random.default_rng(1)):
-        _, d, h = evaluate_curve(laws, start, s)
-        slope, second, _ = difference(lambda x: evaluate_curve(laws, start, x), s)
-        assert d == pytest.approx(slope, rel=1e-8, abs=1e-8)
-        assert h == pytest.approx(second, rel=1e-7, abs=1e-7)
+@pytest.mark.parametrize("check", OF_TERMS, ids=lambda check: check.__name__)
+@every_case
+def test_every_term(name, values, corners, check):
+    check(replace(TERMS[name], sample=lambda: [values]))
 
 
 def test_the_slope_of_a_ramp_at_its_corners_is_that_behind_them():
@@ -120,38 +111,6 @@ def test_a_spline_has_no_jumps_of_its_second_derivative():
         before, after = (curve_at(law, at + side)[2] for side in (-1e-9, 1e-9))
         assert before == pytest.approx(after, abs=1e-6)
         assert after == pytest.approx(-(np.pi**2) * np.sin(np.pi * at), abs=0.03)
-
-
-@every_case
-def test_derivatives_of_forces(name, values, corners):
-    laws, start = packed((name, values))
-    rng = np.random.default_rng(2)
-    found = []
-    for s in points_away_from(corners, rng):
-        v = rng.uniform(-2.2, 2.2)
-        F, F_s, F_v = evaluate_force(laws, start, s, v)
-        scale = max(abs(F), 1.0)
-        by_s = difference(lambda x, v=v: evaluate_force(laws, start, x, v)[0], s)
-        by_v = difference(lambda x, s=s: evaluate_force(laws, start, s, x)[0], v)
-        assert F_s == pytest.approx(by_s, rel=1e-7, abs=1e-8 * scale)
-        assert F_v == pytest.approx(by_v, rel=1e-7, abs=1e-8 * scale)
-        found.append((F_s, F_v))
-    flat = name in ("constant", "preload") or (name, values.get("rise"), values.get("rate")) in (
-        ("step", 0.0, None),
-        ("exponential", None, 0.0),
-    )
-    assert np.any(np.array(found) != 0.0) != flat
-
-
-@every_case
-def test_potential_is_the_integral_of_the_force_at_rest(name, values, corners):
-    laws, start = packed((name, values))
-    knots = [point[0] for point in values.get("points", [])] + [values.get("start", 0.0), values.get("end", 0.0)]
-    for s in (-3.0, -1.7, -0.6, 0.4, 1.1, 2.9):
-        area, _ = quad(
-            lambda x: evaluate_force(laws, start, x, 0.0)[0], 0.1, s, points=[*corners, *knots], epsabs=1e-12, limit=200
-        )
-        assert potential(laws, start, s) - potential(laws, start, 0.1) == pytest.approx(area, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("n", [2, 3, 12])

@@ -5,15 +5,13 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, input_deck
 
-from mecano.analyses.kind_samples import GRAVITY, samples, seed_of
-from mecano.analyses.law_tests import Tyre
+from mecano.analyses.kind_samples import GRAVITY, samples
+from mecano.analyses.law_tests import OF_SLIP_LAWS, Tyre, check_power_of_tyres
 from mecano.element_interface import Context
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.laws.table import LawTable
 
 FRICTION = {
@@ -22,37 +20,15 @@ FRICTION = {
 }  # fmt: skip
 
 
-def tyres():
-    """[Tyre] of every slip law, with each of its samples."""
-    found = [Tyre(SLIP_LAWS["friction"], FRICTION)]
-    for law in SLIP_LAWS.values():
-        for wheel, _, _ in law_samples(np.random.default_rng(4), law):
-            found.append(Tyre(slip_law_of(wheel["tire_law"]), wheel["tire_law"]))
-    return found
+@pytest.mark.parametrize("check", OF_SLIP_LAWS, ids=lambda check: check.__name__)
+@pytest.mark.parametrize("law", [law for law in SLIP_LAWS.values() if law.sample], ids=lambda law: law.name)
+def test_every_law(law, check):
+    check(law)
 
 
-@pytest.mark.parametrize("tyre", tyres(), ids=lambda tyre: tyre.law.name)
-def test_power_of_the_force_agrees_with_the_law(tyre):
-    """-(F.v + M.omega) = lost - given, lost >= 0; a passive law gives nothing but the power of its moment."""
-    rng, worked = seed_of(tyre.law.name), 0
-    for _ in range(400):
-        v, u = rng.normal(size=2) * 10.0 ** rng.uniform(-3, 1), rng.normal(size=2) * [20.0, 3.0]
-        omega, load = rng.normal(size=3), rng.uniform(-10.0, 2e4)
-        k = tyre.forces(load, v, u, omega, 0.1 * rng.normal())
-        of_force, of_moment = k.F[0] * v[0] + k.F[1] * v[1], np.dot(k.M, omega)
-        size = 1e-9 + abs(of_force) + abs(of_moment) + abs(k.given)
-        assert -(of_force + of_moment) == pytest.approx(k.lost - k.given, abs=1e-12 * size)
-        assert k.lost >= 0.0
-        if tyre.law.passive:
-            assert k.given == pytest.approx(of_moment, abs=1e-12 * size)
-        worked += k.lost > 0.0
-    assert worked > 100
-
-
-@pytest.mark.parametrize("tyre", tyres(), ids=lambda tyre: tyre.law.name)
-def test_a_tyre_without_load_has_no_force(tyre):
-    k = tyre.forces(0.0, (1.0, 2.0), omega=(0.1, 20.0, 0.3))
-    assert np.abs([*k.F, *k.M]).max() < 1e-6
+def test_friction_states_its_power():
+    law = SLIP_LAWS["friction"]
+    check_power_of_tyres(law, [Tyre(law, FRICTION)])
 
 
 MU, LOAD, HALF = 0.8, 4000.0, 0.06
