@@ -13,7 +13,7 @@ from time_runs import RecordedRun, deck, input_deck
 
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
-from mecano.solve.time.increments import Weights, correct
+from mecano.solve.time.increments import correct
 
 S = "Mechanisms"
 EARTH, LATITUDE, SPIN, RATE = 0.2, math.radians(30), 200.0, 0.2  # rad/s, rad
@@ -203,15 +203,15 @@ def test_the_tangent_of_a_step_in_which_bodies_turn_far():
     method, start, history, of = recorded.integrator.method, recorded.run.motion, recorded.run.history, recorded.system
     s = method.step(start, history, 0.03)[0]
     s.start_spins = start.v[of.numbering.rotation_dof[:, None] + np.arange(3)]
-    k, penalty, cC, cM = scales = method._scales(history, 0.03)
-    method._assemble(s, scales)
+    by, penalty = method._weights(history, 0.03)
+    method._assemble(s, by, penalty)
     tangent = coo_array((method.assembly.data[: of.nnz], (of.rows, of.cols)), (of.n, of.n)).toarray()
     assert np.abs(s.z[: of.n_q][of.numbering.kind[: of.n_q] == ROTATION]).max() > 0.5
 
     def residual(dz):
         moved, found = s.copy(), Assembly(of)
-        correct(of.numbering, 1.0, -dz, Weights(k, cC, cM, 0.03), start, moved)
-        return of.assemble(moved, k, penalty, into=found).residual[: of.n].copy()
+        correct(of.numbering, 1.0, -dz, by, start, moved)
+        return of.assemble(moved, by.k, penalty, into=found).residual[: of.n].copy()
 
     for j, dz in enumerate(1e-5 * np.eye(of.n)):
         found = (residual(dz) - residual(-dz)) / 2e-5

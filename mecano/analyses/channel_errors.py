@@ -8,7 +8,7 @@ from mecano.errors import UsageError, name_list
 MOST = 8  # names in a message
 
 
-def unknown(channel: str, name: str, known: Iterable[str], otherwise: str = "") -> UsageError:
+def unknown(channel: str, name: str, known: Iterable[str], otherwise: str) -> UsageError:
     """Return the error for an unknown ``name`` of an "input", "output" or "signal", with a ``hint``."""
     found = hint(name, known, otherwise)
     return UsageError(f"there is no {channel} {name}" + (f"; {found}" if found else ""))

@@ -8,7 +8,7 @@ import numpy as np
 
 from mecano.analyses.prepare import AUTOMATIC, Prepared, or_default
 from mecano.deck.build import places_of_laws
-from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
+from mecano.model.output_limits import ended, has_end_conditions, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.diagnostics.scales import Tolerances
@@ -129,7 +129,7 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 def _end_of_range_check(prepared):
     """Return a function (State, Observation) -> text on an element at the end of its range, or ""."""
-    if not has_watched_outputs(prepared.deck.values, "end_conditions"):
+    if not has_end_conditions(prepared.deck.values):
         return lambda state, observation: ""
     sampler = Sampler(prepared.system)
     ends = watched_outputs(prepared.deck.values, sampler, "end_conditions")

@@ -222,7 +222,7 @@ def _share(count):
     return f"in {count} of the states" if count else "between the states, near critical values"
 
 
-def _locus(case, axis, other, reported, orders=()):
+def _locus(case, axis, other, reported, orders):
     """Return the Locus over ``axis`` with the settings ``other``; ``orders`` of a Campbell diagram."""
     spectra, motions, variations = [], [], []
     for i, value in enumerate(axis.values):

@@ -180,7 +180,7 @@ def impact_friction(shapes):
     return found
 
 
-def observed_rubbing(shapes, inputs=0):
+def observed_rubbing(shapes, inputs):
     """Return ``observe`` and ``event_values`` of a rigid contact with friction, as fields of a Kind."""
     touch, row = shapes.touch, TURNING + inputs
 

@@ -50,7 +50,7 @@ def suspicious(
     root: "Node",
     used: Mapping[str, Container[str]],
     kinds: Mapping[str, Kind],
-    varied: bool = False,
+    varied: bool,
 ) -> list[Problem]:
     """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 

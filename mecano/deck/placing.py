@@ -127,7 +127,7 @@ class Placing:
             place = node.value
             node.value = [Node(c, at.source, at.line, at.column, at.raw) for c, at in zip(moved, place, strict=True)]
 
-    def _rename(self, node, section, members=False):
+    def _rename(self, node, section, members):
         if type(node.value) is list:
             for item in node.value:
                 self._rename(item, section, members)

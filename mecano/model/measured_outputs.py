@@ -44,7 +44,7 @@ def magnitude_of(vector: str) -> str:
     return f"hypot(hypot({vector}.x, {vector}.y), {vector}.z)"
 
 
-def index_of(what: str, kind: Kind, label: str = "") -> int | None:
+def index_of(what: str, kind: Kind, label: str) -> int | None:
     """Return the index of a number among the outputs of a kind, or None; ``what`` is named as by ``components``."""
     start = 0
     for output in kind.outputs:

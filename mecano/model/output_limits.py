@@ -16,9 +16,9 @@ Watched: TypeAlias = "tuple[str, Values, str, int, float, str]"
 """Name and deck values of an element, its output, the column of that in the row, the limit, the text beyond it"""
 
 
-def has_watched_outputs(values: Values, what: str) -> bool:
-    """Return whether elements with the deck values ``values`` have monitored outputs."""
-    return any(getattr(KINDS[d["type"]], what)(d) for section in SECTIONS for d in values[section].values())
+def has_end_conditions(values: Values) -> bool:
+    """Return whether elements with the deck values ``values`` may end a run."""
+    return any(KINDS[d["type"]].end_conditions(d) for section in SECTIONS for d in values[section].values())
 
 
 def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:

@@ -23,7 +23,7 @@ LONGEST, MOST_NAMED = 100, 12  # characters of a motion in the legend; modes in 
 NUMBERS = 7.5  # points
 
 
-def campbell_figure(file: "SweepFile", below: float | None = None, above: float | None = None) -> "Figure":
+def campbell_figure(file: "SweepFile", below: float | None, above: float | None) -> "Figure":
     """Return the figure of a SweepFile with a rotor; ``below``, ``above`` [Hz]: limits of the frequencies shown."""
     heading = f"Campbell diagram of '{file.rotor}'; about: {file.about}"
     figure = plain_figure(*SIZE, file.title or file.path.stem, heading)

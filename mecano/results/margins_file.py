@@ -63,9 +63,7 @@ class MarginsFile:
     margins: dict[str, float]  # name, and name_frequency -> value
 
 
-def write_margins(
-    path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool = False
-) -> None:
+def write_margins(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
     """Write the ``plain`` numbers of margins to a file that appears only when complete. Raises ResultsError.
 
     ``plain``: the texts ``about`` and ``signal``, and the mappings ``loop``, ``crossovers`` and ``margins``, whose

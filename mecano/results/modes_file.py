@@ -59,9 +59,7 @@ class ModesFile:
     released: frozenset[str]  # joints and elements that have been released in the state: "hinge 'pin'"
 
 
-def write_modes(
-    path: "str | os.PathLike[str]", contents: Mapping[str, Any], source: Source, *, force: bool = False
-) -> None:
+def write_modes(path: "str | os.PathLike[str]", contents: Mapping[str, Any], source: Source, *, force: bool) -> None:
     """Write a file of modes, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:

@@ -75,7 +75,7 @@ def ratio_unit(output: str, of_input: str) -> str:
     return " per ".join("1" if unit == "-" else unit for unit in (output, of_input))
 
 
-def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source", *, force: bool = False) -> None:
+def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source", *, force: bool) -> None:
     """Write a file of a response, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:

@@ -85,9 +85,7 @@ class SweepFile:
     units: tuple[str, ...] = ()  # SI units of values of --sweep that are written with units, else ""
 
 
-def write_sweep(
-    path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool = False
-) -> None:
+def write_sweep(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
     """Write the ``plain`` arrays of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:

@@ -104,7 +104,7 @@ def _fields(grid):
             yield f"{part}/{name}", field
 
 
-def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.ndarray, *, force: bool = False) -> None:
+def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.ndarray, *, force: bool) -> None:
     """Add Grids to the results file ``path``, whose other data are kept; on failure the file is unchanged.
 
     ``grids`` and ``times`` as for ``write_grids``. Raises ResultsError if the group exists and ``force`` is False, if

@@ -22,7 +22,7 @@ FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 class PivotSigns:
     """Count negative pivots of the tangents of one system, and find its softest motion by inverse iteration."""
 
-    def __init__(self, test: StabilityTest, analysis: "Analysis | None" = None):
+    def __init__(self, test: StabilityTest, analysis: "Analysis | None"):
         """Analyse the pattern of the tangent, unless the ``analysis`` of its LinearSolver is given."""
         self.stability_test, self.system = test, test.system
         self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=analysis)

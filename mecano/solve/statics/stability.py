@@ -57,7 +57,7 @@ class Stability:
 class StabilityTest:
     """Determine the stability of equilibria of one system from tangents on its pattern."""
 
-    def __init__(self, system: "System", length: float, soft: bool = False, analysis: "Analysis | None" = None):
+    def __init__(self, system: "System", length: float, soft: bool, analysis: "Analysis | None"):
         """Set the limit of neutral directions; ``soft``: compliant redundant constraints may stiffen free motions.
 
         ``analysis``: that of the LinearSolver of the system, if there is one.

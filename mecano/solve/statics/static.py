@@ -72,7 +72,7 @@ class Statics:
         *,
         k: float | None = None,
         penalty: float | None = None,
-        compliance: Compliance | None = None,
+        compliance: Compliance | None,
         monitor: EventMonitor | None = None,
         past: bool = False,
     ):

@@ -39,7 +39,7 @@ class Held:
 class VelocityConstraints:
     """The constraints on velocities of a system, as constraints on displacements."""
 
-    def __init__(self, system: "System", released: np.ndarray = NONE):
+    def __init__(self, system: "System", released: np.ndarray):
         """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out."""
         self.system = system
         of_rates = system.numbering.of_rates.copy()

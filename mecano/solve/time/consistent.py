@@ -42,7 +42,7 @@ class Consistent:
         linear: "LinearSolver",
         s: "State",
         length: float,
-        compliance: "Compliance | None" = None,
+        compliance: "Compliance | None",
     ):
         """Factor at the positions of ``s`` (its a and multipliers are not used), of a mechanism of the ``length`` [m].
 
@@ -235,8 +235,8 @@ def consistent_state(
     s: "State",
     h: float,
     contradictions: "Contradictions",
-    compliance: "Compliance | None" = None,
-    consistent: Consistent | None = None,
+    compliance: "Compliance | None",
+    consistent: Consistent | None,
 ) -> "tuple[State, Consistent]":
     """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.
 

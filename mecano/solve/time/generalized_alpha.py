@@ -123,15 +123,16 @@ class GeneralizedAlpha:
         linear: "LinearSolver",
         coefficients: Coefficients,
         length: float,
-        tolerances: Tolerances | None = None,
-        k: float | None = None,
-        penalty: float | None = None,
-        compliance: Compliance | None = None,
-        duration: float = np.inf,
-        tolerance: float = np.inf,
+        tolerances: Tolerances,
+        *,
+        k: float | None,
+        penalty: float | None,
+        compliance: Compliance | None,
+        duration: float,
+        tolerance: float,
     ):
         self.system, self.linear, self.coefficients = system, linear, coefficients
-        self.length, self.tolerances = length, tolerances or Tolerances()
+        self.length, self.tolerances = length, tolerances
         self.k, self.penalty, self.duration, self.tolerance = k, penalty, duration, tolerance
         self.patience = PATIENCE
         # called in a step as often as the program may be late for a signal; may raise
@@ -297,19 +298,14 @@ class GeneralizedAlpha:
     def use_output(self, output: "Output") -> None:
         """Do nothing: the ``output`` of steps interpolates between their ends."""
 
-    def _weights(self, h):
-        """Derivatives of velocities and accelerations by displacements within a step of size h."""
-        c = self.coefficients
-        return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
-
-    def _scales(self, history, h):
-        """Return (k, penalty, cC, cM), with k and penalty of the deck or the mean stiffness in the history."""
-        k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
-        weights = self._weights(h)
+    def _weights(self, history, h):
+        """Return (Weights, penalty) of a step, with k and penalty of the deck or the mean stiffness in the history."""
+        c, penalty = self.coefficients, history.k if self.penalty is None else self.penalty
+        cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty(history.k))
-            self.compliance.set_step(1.0 / weights[0], history.k)
-        return k, penalty, *weights
+            self.compliance.set_step(1.0 / cC, history.k)
+        return Weights(self.k or history.k, cC, cM, h), penalty
 
     def step(self, s0: State, history: History, h: float) -> Trial:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
@@ -325,7 +321,7 @@ class GeneralizedAlpha:
     def prepare(self, s0: State, history: History, h: float) -> None:
         """Enter a state and its history into the workspace, for steps of size h."""
         if history.tangent is not None and self.linear.label is not history.tangent:
-            self._factor(history.tangent, self._scales(history, h))
+            self._factor(history.tangent, *self._weights(history, h))
         self.workspace.put_state(BEGIN, s0)
         if self.tolerance < np.inf and not self.workspace.record["knows_light"][0]:
             self._light.enter(self.workspace)
@@ -333,12 +329,12 @@ class GeneralizedAlpha:
 
     def _enter(self, history, h):
         """Enter a history into the workspace, for steps of size h."""
-        (k, penalty, cC, cM), w = self._scales(history, h), self.workspace
+        (by, penalty), w = self._weights(history, h), self.workspace
         w.held = None
         w.put_history(history)
-        w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
+        w.point_to(h=h, k=by.k, penalty=penalty, cC=by.cC, cM=by.cM, usable=self.linear.kept, renewed=False)
         if self.compliance is not None:
-            w.array("entry_values")[:] = self.compliance.in_tangent(k)
+            w.array("entry_values")[:] = self.compliance.in_tangent(by.k)
 
     def trial(self, s0: State, history: History, iterations: int) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
@@ -387,18 +383,17 @@ class GeneralizedAlpha:
         r["usable"], r["pending"], r["stale"] = self.linear.kept, True, False
         return int(r["code"][0])
 
-    def _assemble(self, s, scales):
-        """Assemble residual and tangent at ``s``, with the compliance."""
-        k, penalty, cC, cM = scales
+    def _assemble(self, s, by, penalty):
+        """Assemble residual and tangent at ``s`` for the Weights ``by``, with the compliance."""
         T = self.workspace.array("T")
-        self._tangents(s.start_spins, s, Weights(k, cC, cM, self.coefficients.gamma / (self.coefficients.beta * cC)), T)
-        self.system.assemble(s, k, penalty, cK=1.0, cC=cC, cM=cM, T=T, into=self.assembly)
+        self._tangents(s.start_spins, s, by, T)
+        self.system.assemble(s, by.k, penalty, cK=1.0, cC=by.cC, cM=by.cM, T=T, into=self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
-            soften(k, *self._rows, s.z[n_q:n], self.equations[n_q:])
-            self.compliance.soften_tangent(k, self.assembly.data)
+            soften(by.k, *self._rows, s.z[n_q:n], self.equations[n_q:])
+            self.compliance.soften_tangent(by.k, self.assembly.data)
 
-    def _factor(self, tangent, scales):
-        """Factor the tangent at an earlier state; return the LinearStatus."""
-        self._assemble(tangent, scales)
-        return self.linear.solve(self.assembly.data, np.zeros(self.system.n), self.increment, tangent)
+    def _factor(self, tangent, by, penalty):
+        """Factor the tangent at an earlier state."""
+        self._assemble(tangent, by, penalty)
+        self.linear.solve(self.assembly.data, np.zeros(self.system.n), self.increment, tangent)

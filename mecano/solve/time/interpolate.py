@@ -1,6 +1,7 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
-from mecano.jit.entry import Entry, entry
+from mecano.jit.entry import entry
+from mecano.jit.kernel import kernel
 from mecano.maths.hermite import hermite, quintic
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse, tangent_rate
 from mecano.maths.vector import Vec3, mat, put, put_matrix, vec
@@ -31,9 +32,12 @@ def between_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Motion, s_o
             put(s_out.z, d, (0.0, 0.0, 0.0))
 
 
-@entry
-def between_smooth_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Motion, s_out: Motion):
-    """Interpolate the motion at the fraction u of a step of size h by polynomials of degree 5."""
+@kernel
+def between_smooth_states(u, h, of, s0, s1, s_out):
+    """Interpolate the motion at the fraction u of a step of size h by polynomials of degree 5.
+
+    Positions are accurate to O(h^6), velocities to O(h^5), where accelerations are as exact as positions.
+    """
     for i in range(s0.z.shape[0]):
         s_out.a[i] = (1.0 - u) * s0.a[i] + u * s1.a[i]
         s_out.z[i] = (1.0 - u) * s0.z[i] + u * s1.z[i]
@@ -56,15 +60,14 @@ def between_smooth_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Moti
             put(s_out.z, d, (0.0, 0.0, 0.0))
 
 
-def interpolate(s0: State, s1: State, t: float, of: Numbering, between: Entry = between_states) -> State:
-    """Return the State at t in [s0.t, s1.t], by ``between_states`` or ``between_smooth_states``.
+def interpolate(s0: State, s1: State, t: float, of: Numbering) -> State:
+    """Return the State at t in [s0.t, s1.t] by cubic Hermite interpolation of positions and rotations.
 
-    The first is the cubic Hermite interpolation of positions and rotations, accurate to O(h^4) between accepted states,
-    their velocities to O(h^3). The second is the quintic one, O(h^6) and O(h^5) where accelerations are as exact as
-    positions. Accelerations and multipliers are interpolated linearly, O(h^2). Phases and memory are those of ``s0``.
+    They are accurate to O(h^4) between accepted states, velocities to O(h^3). Accelerations and multipliers are
+    interpolated linearly, O(h^2). Phases and memory are those of ``s0``.
     """
     out = s1.copy()
     out.t, out.phases, out.memory = t, s0.phases, s0.memory
     u, h = (t - s0.t) / (s1.t - s0.t), s1.t - s0.t
-    between(u, h, of, s0, s1, out)
+    between_states(u, h, of, s0, s1, out)
     return out

@@ -36,7 +36,7 @@ class OrdinarySteps:
         control: "StepControl",
         shocks: "Shocks",
         observation: "Observation",
-        recorder: Recorder | None = None,
+        recorder: Recorder | None,
     ):
         self.method, self.control = method, control
         self.workspace, self.linear = method.workspace, method.linear

@@ -58,12 +58,12 @@ class Radau:
         linear: "LinearSolver",
         length: float,
         control: StepControl,
-        tolerances: Tolerances | None = None,
-        k: float | None = None,
-        compliance: "Compliance | None" = None,
+        tolerances: Tolerances,
+        k: float | None,
+        compliance: "Compliance | None",
     ):
         self.system, self.linear, self.length, self.control = system, linear, length, control
-        self.tolerances, self.k, self.penalty = tolerances or Tolerances(), k, 0.0
+        self.tolerances, self.k, self.penalty = tolerances, k, 0.0
         self.patience = PATIENCE
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None

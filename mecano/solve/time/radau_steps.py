@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class RadauSteps:
     """Ordinary steps of Radau IIA, in compiled code; parameters as those of OrdinarySteps."""
 
-    def __init__(self, method: "Radau", shocks: "Shocks", observation: "Observation", recorder: Recorder | None = None):
+    def __init__(self, method: "Radau", shocks: "Shocks", observation: "Observation", recorder: Recorder | None):
         self.method, self.workspace, self.stages = method, method.workspace, method.stages
         packed = attempt.call_from_compiled_code(self.workspace.record, self.stages.record)
         self.arrays = StrideArrays(
