@@ -99,7 +99,8 @@ class StudyTable:
     @property
     def warnings(self) -> list[list[str]]:
         """Lists of warnings of all cases."""
-        return [text.split(BETWEEN) if text else [] for text in self["case/warnings"]]
+        texts = next((column.values for column in self.columns if column.path == "case/warnings"), ())
+        return [text.split(BETWEEN) if text else [] for text in texts]
 
 
 def within(limits: Bounds, value: float) -> bool:
