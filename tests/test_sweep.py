@@ -486,7 +486,7 @@ def test_damping_that_is_rounding_has_no_sign(rounding):
 def test_numbers_of_close_critical_values_do_not_overlap():
     """Measured in the drawn picture, of axes as wide as those of the sheet."""
     speeds = np.array([4.01, 4.2, 4.22, 9.0, 4.6, 4.25, 5.1])
-    file = SimpleNamespace(parameter=np.array([0.0, 10.0]), critical={"parameter": speeds})
+    file = SimpleNamespace(parameter=np.array([0.0, 10.0]), critical={"parameter": speeds, "of_instant": 0.0 * speeds})
     figure = Figure(figsize=(9.6, 7.6))
     ax = figure.subplots(2, 2)[0, 1]
     ax.set_xlim(0.0, 10.0)

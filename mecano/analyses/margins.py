@@ -225,11 +225,11 @@ def _in_loops(deck, system: "System", closed: Plant) -> "Iterator[str]":
 
 
 class _Found(NamedTuple):
-    """The fields of Margins that are numbers, the backward error, and remarks about sampled signals."""
+    """The fields of Margins that are numbers, the backward error, and warnings about sampled signals."""
 
     numbers: dict[str, Any]
     error: float
-    remarks: list[str]
+    warnings: list[str]
 
 
 def _margins(closed, loop, request, signal, samplers):
@@ -338,8 +338,8 @@ def _averaged(signal, samplers, transfer, whole) -> "Iterator[str]":
 
 def _unsure(found, request) -> "Iterator[str]":
     """Yield warnings about margins that do not say how far the loop is from instability."""
-    numbers, error, remarks = found
-    yield from remarks
+    numbers, error, warnings = found
+    yield from warnings
     if numbers["growing"]:
         yield (
             "the closed loop is unstable already: the margins tell where poles cross the imaginary axis, not how far "

@@ -22,7 +22,7 @@ from mecano.errors import name_list
 from mecano.model.model import GROUND
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import Remark
+    from mecano.deck.lint import LocatedWarning
     from mecano.schema import Values
 
 RANK = 1e-9  # least singular value of six independent rows, as in the search for redundant constraints
@@ -46,7 +46,7 @@ class Holding(NamedTuple):
     x: np.ndarray
 
 
-def binding_joints(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
+def binding_joints(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
     """Yield (path, text) on the joints between the same two bodies that together hold them, but none of them alone.
 
     Flexible members and superelements count as bodies if their joints would almost allow a motion.

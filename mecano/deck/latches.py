@@ -7,13 +7,13 @@ from mecano.constraints.along_coordinate.demand import as_formula
 from mecano.laws.table import LawTable, evaluate_force
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import Remark
+    from mecano.deck.lint import LocatedWarning
     from mecano.schema import Values
 
 LAWS = {"angle": ("turning_law", "natural_angle"), "displacement": ("sliding_law", "natural_displacement")}
 
 
-def latches_pushed_away(values: "Values") -> "Iterator[Remark]":
+def latches_pushed_away(values: "Values") -> "Iterator[LocatedWarning]":
     """Yield (path, text) on joints whose law pushes away from their latch at the start, if nothing else drives them."""
     driven = {id(joint) for section in ("joints", "loads") for d in values[section].values() for joint in _joints(d)}
     for name, d in values["joints"].items():

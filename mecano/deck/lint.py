@@ -41,7 +41,7 @@ MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one mean
 
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
-Remark: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, and the text of the warning
+LocatedWarning: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, text of the warning
 NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that others refer to
 
 

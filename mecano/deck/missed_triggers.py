@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 from mecano.element_interface import SECTIONS, Kind
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import Remark
+    from mecano.deck.lint import LocatedWarning
     from mecano.schema import Values
 
 TRIGGER = {"time", "when"}  # options of a trigger (constraints/along_coordinate/trigger.py)
 
 
-def missed_triggers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
+def missed_triggers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
     """Yield (path, text) on times of triggers outside of a run.
 
     Those before the start of a run that continues an earlier one have happened there. ``values`` are those of a checked

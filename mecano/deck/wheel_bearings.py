@@ -11,13 +11,13 @@ from mecano.element_interface import SECTIONS, Kind
 from mecano.element_interface.kind import FREELY
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import Remark
+    from mecano.deck.lint import LocatedWarning
     from mecano.schema import Values
 
 APART = 0.2  # sine of the angle between the axes of a wheel and of its bearing; toe and camber turn both
 
 
-def misplaced_bearings(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
+def misplaced_bearings(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
     """Yield (path, text) on wheels that turn about another axis than theirs, or that nothing holds beside held ones."""
     wheels = _wheels(values, kinds)
     around = {name: _at_node(values, kinds, node, name) for name, (node, _) in wheels.items()}

@@ -60,8 +60,7 @@ def _units(file):
         text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
     written = parameters_of(str(file.path), text)
     paths = [name if "." in name else f"parameters.{name}" for name in file.names]
-    given = file.units or ("",) * len(paths)
-    return [unit_of(path, resolved, [written.get(path)]) or unit for path, unit in zip(paths, given, strict=True)]
+    return [unit_of(path, resolved, [written.get(path)]) or unit for path, unit in zip(paths, file.units, strict=True)]
 
 
 def _headed(file, size):
@@ -193,7 +192,7 @@ def _plane(ax, file, unit, shown, near, limit):
 def _mark(ax, file):
     """Draw critical values as vertical lines with their numbers, stacked where lines are close."""
     places = file.critical["parameter"]
-    vague = file.critical.get("of_instant", np.zeros(len(places)))
+    vague = file.critical["of_instant"]
     texts = [f"about {value:.3g}" if unsure else f"{value:.5g}" for value, unsure in zip(places, vague, strict=True)]
     letter = LETTER / WIDTH * np.ptp(file.parameter)
     for value, text, row in zip(places, texts, _rows(places, [letter * len(text) for text in texts]), strict=True):
@@ -292,7 +291,7 @@ def _map(file, units):
 
 def _hatch_oscillations(ax, file, growth):
     """Hatch the part of a map in which an oscillation grows, if elsewhere something grows without oscillating."""
-    swings = np.ma.masked_invalid(file.map.get("oscillation_growth", growth))
+    swings = np.ma.masked_invalid(file.map["oscillation_growth"])
     grows, fastest = swings.filled(0.0) > 0.0, float(swings.max())
     if min(growth.shape) < 2 or not grows.any() or not np.any((growth.filled(0.0) > 0.0) & ~grows):
         return

@@ -89,7 +89,7 @@ class StudyTable:
         counts = Counter(self["case/status"])
         words = ", ".join(f"{count} {word}" for word, count in counts.items())
         failed = list(self.verdicts).count(FAIL)
-        return f"{counts.total()} cases: {words}{remarks_text(sum(map(bool, self.warnings)), failed)}"
+        return f"{counts.total()} cases: {words}{counts_text(sum(map(bool, self.warnings)), failed)}"
 
     @property
     def verdicts(self) -> Sequence[str] | np.ndarray:
@@ -114,10 +114,10 @@ def within(limits: Bounds, value: float) -> bool:
     return bool(low <= value <= high)
 
 
-def remarks_text(warned: int, failed: int) -> str:
+def counts_text(warned: int, failed: int) -> str:
     """Return the end of a verdict on a study: numbers of complete cases with warnings, and beyond their limits."""
-    remarks = (warned, "with warnings"), (failed, "beyond limits")
-    return "".join(f"; {count} {what}" for count, what in remarks if count)
+    counts = (warned, "with warnings"), (failed, "beyond limits")
+    return "".join(f"; {count} {what}" for count, what in counts if count)
 
 
 def column(group: str, name: str, unit: str, doc: str, values: Sequence[Any], limits: Bounds = (None, None)) -> Column:

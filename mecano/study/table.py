@@ -14,7 +14,7 @@ from mecano.results.study_file import (
     FAIL,
     StudyTable,
     column,
-    remarks_text,
+    counts_text,
     within,
     write_columns,
     write_study,
@@ -126,8 +126,8 @@ class Table:
     def summary(self) -> str:
         """Return the numbers of cases by status, and the reasons of those that are not complete, as lines of text."""
         warned = sum(map(bool, self.warnings.values()))
-        remarks = remarks_text(warned, len(self.beyond))
-        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}{remarks}"]
+        counts = counts_text(warned, len(self.beyond))
+        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}{counts}"]
         lines += self._exceeded()
         reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
         lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
