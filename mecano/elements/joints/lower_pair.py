@@ -110,7 +110,7 @@ def _one_after_another(first, size, second):
     return put
 
 
-def rigid_pair(name, doc, pair, sample):
+def rigid_pair(name, doc, pair, sample=None):
     """Return the Kind of a lower pair whose axes are held by one constraint each."""
 
     def check(d, nodes):
