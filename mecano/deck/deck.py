@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.element_interface import SECTIONS
 from mecano.immutable import immutable
 
 if TYPE_CHECKING:
@@ -38,11 +37,6 @@ class Deck:
     """text of a formula -> Mark of its first place"""
     motions: tuple[tuple[Any, str | int, str], ...] = field(default=(), repr=False)
     """(mapping in ``values``, key, formula as written, with names of signals) of prescribed motions"""
-
-    @property
-    def kinds(self) -> set[str]:
-        """Names of the kinds of its elements, joints and loads."""
-        return {d["type"] for section in SECTIONS for d in self.values[section].values()}
 
     def mark(self, section: str, name: str) -> "Mark | None":
         """Return the mark of a name in the deck, or None if it is not in the deck."""
