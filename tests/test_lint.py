@@ -171,6 +171,10 @@ def test_what_an_override_replaces_need_not_be_used():
     text = deck(HEAD + UNUSED).text
     unused = [deck_of_bytes(text.encode(), "test.yaml", overrides=given).warnings for given in ((), ("time.end=2",))]
     assert [len([w for w in found if "is not used" in w.message]) for found in unused] == [6, 0]
+    inside = "{nodes: {end: {position: [0, 0, 0]}}, elements: {end: {type: point_mass, node: end, mass: 1}}}"
+    placed = f"{text}templates: {{part: {inside}}}\nplace: {{one: {{template: part}}}}\n"
+    found = deck_of_bytes(placed.encode(), "test.yaml", overrides=("place={}",)).warnings
+    assert not [w for w in found if "is not placed" in w.message]
 
 
 def test_what_an_included_file_has_need_not_be_used(tmp_path):

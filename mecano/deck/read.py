@@ -85,7 +85,8 @@ def deck_of(
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
     lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides))
-    warnings = (*lint, *unplaced(scope.unplaced), *scope.doubts)
+    idle = [] if overrides else unplaced(scope.unplaced)  # an override may remove the copies of a template
+    warnings = (*lint, *idle, *scope.doubts)
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
     return Deck(
