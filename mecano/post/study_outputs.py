@@ -1,11 +1,13 @@
-"""Outputs of a study as displayed: rounding errors are shown as zero."""
+"""Numbers of a study as displayed: angles in degrees, rounding errors as zero; which cases govern an output."""
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.quantity import largest
+from mecano.post.style import shown_unit
 
 if TYPE_CHECKING:
     from mecano.results.study_file import Column, StudyTable
@@ -27,6 +29,28 @@ def displayed_outputs(table: "StudyTable") -> "tuple[Column, ...]":
         replace(one, values=np.where(np.abs(one.values) < ROUNDING * sizes[one.unit], 0.0, one.values))
         for one in outputs
     )
+
+
+def study_unit(unit: str, values: np.ndarray) -> tuple[float, str]:
+    """Return factor and unit for the display of values of a study: as ``shown_unit``, but degrees for angles.
+
+    A study varies angles that its file and its deck give in degrees as a rule, so that limits and outputs compare.
+    """
+    if unit != "rad":
+        return shown_unit(unit, values)
+    factor, shown = shown_unit("deg", np.degrees(values))
+    return math.radians(factor), shown
+
+
+def severity(output: "Column") -> np.ndarray:
+    """Return numbers (n,), the larger the more a case governs an output; nan of a missing value.
+
+    They are the magnitudes; of an output with a single limit the values on the side of this limit.
+    """
+    lower, upper = output.limits
+    if (lower is None) == (upper is None):
+        return np.abs(output.values)
+    return -output.values if upper is None else output.values
 
 
 def near_limits(output: "Column") -> list[float]:

@@ -8,9 +8,10 @@ import matplotlib
 import numpy as np
 
 from mecano.post.figure import plain_figure
+from mecano.post.page_layout import columns_of, height_of_row, rows_of
 from mecano.post.study_bars import bar_figure
-from mecano.post.study_outputs import displayed_outputs, near_limits
-from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
+from mecano.post.study_outputs import displayed_outputs, near_limits, study_unit
+from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, with_unit
 from mecano.post.value_labels import legible
 from mecano.results.study_file import Column, StudyTable
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PANEL = (3.4, 2.4)  # inches
+LOWEST, NARROWEST = 1.3, 5.0  # inches of a panel if there are many, and of the picture
 MOST_COLOURS = 8  # values of another parameter distinguished by colours
 MOST_TICKS = 5  # intervals between the numbers below a panel
 BESIDE_ONE_ANOTHER = 36  # characters of texts below a panel; more of them are turned
@@ -43,27 +45,50 @@ def varied(table: StudyTable) -> list[Column]:
 
 
 def _figure(table, parameters, outputs):
-    size = len(parameters) * PANEL[0], len(outputs) * PANEL[1]
-    figure = plain_figure(max(size[0], 5.0), size[1], table.title or Path(table.deck).stem, table.verdict)
-    grid = figure.subplots(len(outputs), len(parameters), squeeze=False, sharex="col", sharey="row")
+    """Return the figure: for each output a row of panels, one for each parameter; several such rows side by side."""
+    across = len(parameters)
+    blocks = columns_of(len(outputs), across * PANEL[0], PANEL[1])
+    rows, width = rows_of(len(outputs), blocks), blocks * across * PANEL[0]
+    height = rows * height_of_row(rows, width, LOWEST, PANEL[1])
+    figure = plain_figure(max(width, NARROWEST), height, table.title or Path(table.deck).stem, table.verdict)
+    grid = figure.add_gridspec(rows, blocks * across)
     shown = short_names([parameter.name for parameter in parameters])
+    above: list[Axes | None] = [None] * across  # the panels of the first output
     for i, output in enumerate(outputs):
+        row, first = i // blocks, i % blocks * across
+        beside = None
         for j, parameter in enumerate(parameters):
-            other = parameters[(j + 1) % len(parameters)] if len(parameters) > 1 else None
+            ax = beside = figure.add_subplot(grid[row, first + j], sharex=above[j], sharey=beside)
+            above[j] = above[j] or ax
+            other = parameters[(j + 1) % across] if across > 1 else None
             title = with_unit(shown[other.name], other.unit) if other is not None and i == 0 else ""
-            panel(grid[i, j], output, parameter, other, len(parameters) <= MOST_JOINED, title)
-            if i == len(outputs) - 1:
-                grid[i, j].set_xlabel(with_unit(shown[parameter.name], parameter.unit))
-                if parameter.numeric:
-                    grid[i, j].locator_params(axis="x", nbins=MOST_TICKS)
-                elif sum(map(len, set(parameter.values))) > BESIDE_ONE_ANOTHER:
-                    for label in grid[i, j].get_xticklabels():
-                        label.set(rotation=20, ha="right", rotation_mode="anchor", fontsize=7)
-        if not output.unit:  # a count
-            grid[i, 0].locator_params(axis="y", integer=True, min_n_ticks=1)
-        _, unit = shown_unit(output.unit, output.values)
-        grid[i, 0].set_ylabel(with_unit(output.name.replace("_", " "), unit))
+            panel(ax, output, parameter, other, across <= MOST_JOINED, title)
+            _label_below(ax, parameter, shown[parameter.name] if i + blocks >= len(outputs) else "")
+            _label_beside(ax, output if j == 0 else None)
     return figure
+
+
+def _label_below(ax, parameter, name):
+    """Label the horizontal axis of a panel by the ``name`` of its parameter; "" if a panel below it has the label."""
+    ax.xaxis.set_tick_params(labelbottom=bool(name))
+    if parameter.numeric:
+        ax.locator_params(axis="x", nbins=MOST_TICKS)
+    elif sum(map(len, set(parameter.values))) > BESIDE_ONE_ANOTHER:
+        for label in ax.get_xticklabels():
+            label.set(rotation=20, ha="right", rotation_mode="anchor", fontsize=7)
+    if name:
+        ax.set_xlabel(with_unit(name, parameter.unit))
+
+
+def _label_beside(ax, output):
+    """Label the vertical axis of a panel by its output; None if the panel to the left has the label."""
+    ax.yaxis.set_tick_params(labelleft=output is not None)
+    if output is None:
+        return
+    if not output.unit:  # a count
+        ax.locator_params(axis="y", integer=True, min_n_ticks=1)
+    _, unit = study_unit(output.unit, output.values)
+    ax.set_ylabel(with_unit(output.name.replace("_", " "), unit))
 
 
 def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, joined: bool, title: str) -> None:
@@ -72,7 +97,7 @@ def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, j
     They are coloured by the values of the ``other`` parameter if these are few; dots with the same value may be
     ``joined``.
     """
-    factor, _ = shown_unit(output.unit, output.values)
+    factor, _ = study_unit(output.unit, output.values)
     joined = joined and (other is None or len(set(other.values)) <= MOST_COLOURS)
     groups = _groups(other, len(output.values))
     for number, (label, group) in enumerate(groups):

@@ -8,10 +8,10 @@ import numpy as np
 
 from mecano.errors import name_list
 from mecano.post.report import Picture, Report, Section, Table, Text, number
-from mecano.post.study_outputs import displayed_outputs
+from mecano.post.study_outputs import displayed_outputs, severity, study_unit
 from mecano.post.study_plots import study_figure
 from mecano.post.study_statistics import statistics
-from mecano.post.style import shown_unit, with_unit
+from mecano.post.style import with_unit
 from mecano.results.study_file import FAIL, read_study
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def _limits(table):
     names, rows = np.array(table.case_names, object), []
     for output in (one for one in table.group("outputs") if one.limits != (None, None)):
         known = [limit for limit in output.limits if limit is not None]
-        factor, unit = shown_unit(output.unit, np.append(output.values, known))
+        factor, unit = study_unit(output.unit, np.append(output.values, known))
         beyond = names[output.beyond & (table["case/status"] == COMPLETE)]
         shown = ("" if limit is None else number(limit / factor) for limit in output.limits)
         beyond = name_list(list(beyond), MOST_CASES) or "none"
@@ -54,15 +54,15 @@ def _limits(table):
 
 
 def _extreme_cases(table):
-    """Yield the table of the smallest and largest value of each output, of which the larger magnitude governs."""
+    """Yield the table of the smallest and largest value of each output, with the one that governs."""
     rows: list[tuple[str, ...]] = []
     names, governing = table.case_names, set()
     for output in displayed_outputs(table):
         if not np.any(np.isfinite(output.values)):
             continue
-        factor, unit = shown_unit(output.unit, output.values)
+        factor, unit = study_unit(output.unit, output.values)
         low, high = int(np.nanargmin(output.values)), int(np.nanargmax(output.values))
-        sizes = abs(output.values[low]), abs(output.values[high])
+        sizes = severity(output)[[low, high]]
         if sizes[0] != sizes[1]:
             governing |= {(len(rows), column) for column in ((3, 4) if sizes[0] > sizes[1] else (5, 6))}
         rows.append((
@@ -77,7 +77,7 @@ def _extreme_cases(table):
 def _cases(table):
     """Yield the table of varied values and outputs of all cases."""
     columns = (*table.group("parameters"), *displayed_outputs(table))
-    scales = [shown_unit(one.unit, one.values) if one.numeric else (None, one.unit) for one in columns]
+    scales = [study_unit(one.unit, one.values) if one.numeric else (None, one.unit) for one in columns]
     head = [
         with_unit(one.name.removeprefix("parameters."), unit) for one, (_, unit) in zip(columns, scales, strict=True)
     ]

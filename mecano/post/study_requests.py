@@ -12,9 +12,9 @@ from mecano.deck.wording import suggestion
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.figure import plain_figure
 from mecano.post.request import Request
-from mecano.post.study_outputs import displayed_outputs
+from mecano.post.study_outputs import displayed_outputs, study_unit
 from mecano.post.study_plots import PANEL, panel, short_names, varied
-from mecano.post.style import SETTINGS, shown_unit, with_unit
+from mecano.post.style import SETTINGS, with_unit
 from mecano.results.study_file import Column, StudyTable
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def requested_figures(table: StudyTable, plots: Iterable[str]) -> "Iterator[tupl
 def _figure(table, request):
     """Return the figure: a panel for each Y, coloured and joined by the varied value that distinguishes best."""
     x, ys = column_of(table, request.x), [column_of(table, name) for name in request.ys]
-    factor, unit = shown_unit(x.unit, x.values) if x.numeric else (1.0, "")
+    factor, unit = study_unit(x.unit, x.values) if x.numeric else (1.0, "")
     scaled = replace(x, values=x.values / factor) if x.numeric else x
     other, alone = _series(table, x), [one.name for one in varied(table)] == [x.name]
     heading = f"{', '.join(request.ys)} over {request.x}; {table.verdict}"
@@ -48,7 +48,7 @@ def _figure(table, request):
         for i, (ax, y) in enumerate(zip(grid, ys, strict=True)):
             title = with_unit(short_names([other.name])[other.name], other.unit) if other is not None and not i else ""
             panel(ax, y, scaled, other, alone or other is not None, title)
-            ax.set_ylabel(with_unit(y.name.replace("_", " "), shown_unit(y.unit, y.values)[1]))
+            ax.set_ylabel(with_unit(y.name.replace("_", " "), study_unit(y.unit, y.values)[1]))
         grid[-1].set_xlabel(with_unit(x.name.removeprefix("parameters.").replace("_", " "), unit))
     return figure
 

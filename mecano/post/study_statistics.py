@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.post.report import Table, Text, number
-from mecano.post.study_outputs import displayed_outputs
-from mecano.post.style import shown_unit
+from mecano.post.study_outputs import displayed_outputs, study_unit
 
 if TYPE_CHECKING:
     from mecano.results.study_file import StudyTable
@@ -39,7 +38,7 @@ def statistics(table: "StudyTable") -> Iterator[Table | Text]:
 
 def _row(output):
     values = output.values[np.isfinite(output.values)]
-    factor, unit = shown_unit(output.unit, output.values)
+    factor, unit = study_unit(output.unit, output.values)
     numbers = values.mean(), values.std(ddof=1), *np.quantile(values, (0.05, 0.5, 0.95))
     return _words(output), unit, str(len(values)), *(number(one / factor) for one in numbers)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mecano.post.style import shown_unit
+from mecano.post.study_outputs import study_unit
 from mecano.results.study_file import Column
 
 LONGEST = 32  # characters of a text
@@ -16,7 +16,7 @@ LONGEST = 32  # characters of a text
 def legible(column: Column) -> Column:
     """Return a Column of texts with short ones, of mappings the values that differ; one of numbers in a usual unit."""
     if column.numeric:
-        factor, unit = shown_unit(column.unit, column.values)
+        factor, unit = study_unit(column.unit, column.values)
         return replace(column, values=column.values / factor, unit=unit)
     short = short_texts(dict.fromkeys(map(str, column.values)))
     return replace(column, values=np.array([short[str(value)] for value in column.values], object))
