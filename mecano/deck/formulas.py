@@ -171,14 +171,15 @@ def _jump(found, signals, kinds, seen):
     if any(code == SIGN for code, _ in found.program):
         return "'sign' does"
     for name in (name.removeprefix("signals.") for name in found.references):
-        if name in seen or name not in signals:
+        owner, _, output = name.partition(".")
+        if name in seen or owner not in signals:
             continue
         seen.add(name)
-        d = signals[name]
+        d = signals[owner]
         kind = kinds[d["type"]]
-        if kind.jumps(d):
+        if kind.output_jumps(d, output) if output else kind.jumps(d):
             return f"the {kind.name} {quoted(name)} does"
-        inputs = () if kind.smooths(d) else kind.chosen(d).read(d)
+        inputs = () if (output in kind.chosen(d).states if output else kind.smooths(d)) else kind.chosen(d).read(d)
         if jump := next(filter(None, (_jump(read_formula(text), signals, kinds, seen) for text in inputs)), ""):
             return jump
     return ""

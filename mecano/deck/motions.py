@@ -1,7 +1,7 @@
 """Prescribed motions by formulas: functions of the time that have two rates, into which signals are inserted."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING
 
 from mecano.deck.wording import quoted
@@ -18,9 +18,14 @@ INSTEAD = (
 )
 
 
-def put_curves_of_time(signals: "dict[str, Values]") -> None:
-    """Turn the curves of a straight line of the time, in place, into curves of the time."""
-    curves = [d for d in signals.values() if d["type"] == "curve" and type(d["law"]) is tuple]
+def put_curves_of_time(signals: "dict[str, Values]", sloping: Container[str]) -> None:
+    """Turn the curves of a straight line of the time, in place, into curves of the time.
+
+    Curves whose names are ``sloping`` stay as they are, as their slopes would be others.
+    """
+    curves = [
+        d for name, d in signals.items() if d["type"] == "curve" and type(d["law"]) is tuple and name not in sloping
+    ]
     for d in (d for d in curves if d["input"].strip() != "time"):
         from mecano.laws.line import along_line, line_of_time  # few decks need it
 
@@ -65,15 +70,24 @@ def _of_time(text, signals, outer):
                 "formula of the time there"
             )
         if d is None or d["type"] != "formula":
-            what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
+            of_signal = signal.partition(".")[0] in signals
+            what = "is the output of a signal" if of_signal else "depends on the motion"
+            what = f"{quoted(name)} {what}" if d is None else f"{quoted(name)} is a {d['type']}"
             if d is not None and d["type"] == "curve":
                 what += ", of another input than a straight line of the time, such as 20*time - 3, that rises"
+                what += ", or one whose slope is read" if _is_of_time(d["input"]) else ""
             raise NotAMotion(f"it is not a function of time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
         text = _inserted(text, name, inner)
         if len(text) > LONGEST:
             raise NotAMotion(TOO_LONG)
     return text
+
+
+def _is_of_time(text):
+    """Return whether a formula is one of the time alone, without signals."""
+    formula = read_formula(text)
+    return formula.depends_on_time and not formula.references
 
 
 def _inserted(text, name, inner):

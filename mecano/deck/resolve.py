@@ -28,7 +28,7 @@ def resolve(values: Values, scope: "Scope") -> None:
     for reference in scope.references:
         if not _prescribes(reference):
             _resolve(reference, nodes, members, values, scope)
-    put_curves_of_time(values["signals"])  # by then their laws are known, and motions may be such curves
+    put_curves_of_time(values["signals"], _sloping(scope))  # their laws are known now, and motions may be such curves
     for reference in motions:
         _resolve(reference, nodes, members, values, scope)
     for line in scope.lines:
@@ -36,6 +36,12 @@ def resolve(values: Values, scope: "Scope") -> None:
     for names in scope.node_sets:
         nodes_of = (divided_nodes(name, members[name]) if name in members else [name] for name in names)
         names[:] = dict.fromkeys(node for nodes in nodes_of for node in nodes)
+
+
+def _sloping(scope):
+    """Return the names of the signals whose slope, relative to their input as it is written, some formula reads."""
+    names = (name.removeprefix("signals.") for found, _, _ in scope.formulas for name in found.references)
+    return {name.removesuffix(".slope") for name in names if name.endswith(".slope")}
 
 
 def _resolve(reference, nodes, members, values, scope):

@@ -153,6 +153,8 @@ class Mechanics:
     of_signals: bool = False  # its scalars are signals
     jumps: Callable = never
     """deck values of a signal -> True if its value may jump although its inputs do not"""
+    output_jumps: Callable = never
+    """(deck values of a signal, output) -> True if this output may jump although the inputs do not"""
     smooths: Callable = never
     """deck values of a signal -> True if its value does not jump with its inputs"""
     same_unit_as: Callable = never

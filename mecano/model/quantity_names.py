@@ -1,9 +1,10 @@
 """Resolve the names of quantities in formulas.
 
-``error`` is a signal, ``elbow.angle`` an output of an element, joint or load that can be measured (``Kind.measures``),
-``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial, also where an element
-of the same name has such an output. ``elbow.force.magnitude`` is the length of a vector. A name that otherwise occurs
-in several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
+``path`` is the value of a signal, ``path.slope`` another output of it, ``elbow.angle`` an output of an element, joint
+or load that can be measured (``Kind.measures``), ``tip.position.z`` a component of the position, velocity or
+angular_velocity of a node, inertial, also where an element of the same name has such an output.
+``elbow.force.magnitude`` is the length of a vector. A name that otherwise occurs in several sections of the deck is
+prefixed by the section: ``joints.elbow.angle``.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -20,6 +21,7 @@ OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to r
     "pitch or roll",
     "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
 }
+VALUE = "value"
 RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an output with another name may be given
 
 
@@ -79,8 +81,9 @@ def _of_owner(name, entries, nodes):
 def _offered(section, owner, entries):
     if section == "nodes":
         return [f"{quantity}.{what}" for quantity in NODE_SENSORS for what in (*AXES, MAGNITUDE[1:])]
-    if section == "signals":
-        return []
+    if section == "signals":  # whose value has the name of the signal
+        kind, d = entries[section, owner]
+        return [output.name for output in kind.chosen(d).outputs if output.name != VALUE]
     return [name for output, label in measured_outputs(*entries[section, owner]) for name in quantities(output, label)]
 
 
@@ -90,6 +93,8 @@ def _advice(what, kind=None, d=None):
     if kind is None:
         return OF_NODES.get(name, "")
     chosen = kind.chosen(d)
+    if chosen.section == "signals" and name == VALUE:
+        return "the value of a signal is written as its name alone"
     if chosen.hidden.get(name):
         return chosen.hidden[name]
     for o in chosen.outputs:

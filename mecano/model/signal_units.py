@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_VALUE, VALUE
+from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_SLOPE, OF_VALUE, VALUE
 from mecano.laws.formula import (
     ABS,
     ACOS,
@@ -66,8 +66,8 @@ def signal_units(model: "Model", formulas: Iterable[str] = ()) -> dict[str, str]
     found = {f"{path}/{VALUE.name}": units.of_formula(text_of(path)) for path in formulas}
     for element in _signals(model):
         for output in element.kind.outputs:
-            if output.name == VALUE.name or output.unit in (OF_VALUE, OF_INPUT):
-                found[f"signals/{element.name}/{output.name}"] = units.of_output(element, output)
+            if output.name == VALUE.name or output.unit in (OF_VALUE, OF_INPUT, OF_SLOPE):
+                found[f"signals/{element.name}/{output.name}"] = units.of_output(element.name, output)
     return found
 
 
@@ -137,11 +137,14 @@ class _Units:
         if not known and kind.same_unit_as(d) and not kind.power_of_seconds(d):
             self._use(kind.same_unit_as(d), unit)
 
-    def of_output(self, element: "Element", output: "Output") -> str:
-        """Return the unit of an output of a signal: that of its value or of its input."""
-        if output.unit == OF_INPUT:
-            return self.of_formula(element.kind.read(element.values)[0])
-        return self.of_signal(element.name)
+    def of_output(self, name: str, output: "Output") -> str:
+        """Return the unit of an output of a signal: that of its value, of its input, or of their quotient."""
+        value = self.of_signal(name)
+        if output.unit not in (OF_INPUT, OF_SLOPE):
+            return value
+        kind, d = self.entries["signals", name]
+        of_input = self.of_formula(kind.read(d)[0])
+        return of_input if output.unit == OF_INPUT else _product((value, 1.0), (of_input, -1.0))
 
     def of_signal(self, name: str) -> str:
         """Return the unit of a signal; in a loop of signals only units given by the deck are known."""
@@ -191,10 +194,11 @@ class _Units:
         section, owner, what = resolve(name, self.entries, self.nodes)
         if section == "nodes":
             return OF_NODES[what.partition(".")[0]]
-        if section == "signals":
+        if section == "signals" and not what:
             return self.of_signal(owner)
         outputs = measured_outputs(*self.entries[section, owner])
-        return next(output.unit for output, label in outputs if what in quantities(output, label))
+        found = next(output for output, label in outputs if what in quantities(output, label))
+        return self.of_output(owner, found) if section == "signals" else found.unit
 
 
 def _of_one(code, unit):

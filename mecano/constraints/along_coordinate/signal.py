@@ -5,6 +5,7 @@ from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBER, UNIT, Field
 
 OF_VALUE, OF_INPUT = "unit of the value", "unit of the input"  # units that the deck determines
+OF_SLOPE = "unit of the value / unit of the input"
 SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")

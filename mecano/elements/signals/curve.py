@@ -2,21 +2,24 @@ r"""Curve: a law of its input, such as a table of commands over time, a characte
 
 .. math::  y = c(u)
 
+``slope`` is dc/du: of a path over the input ``time`` the rate, for example of a feedforward.
+
 With the input ``time``, or a straight line of the time that rises, such as ``20*time - 3``, it is a law of time: steps
 end at its breakpoints, and it may prescribe a motion. In a function of anything else they are corners of the signal, as
 those of ``max`` and ``abs``.
 """
 
-from mecano.constraints.along_coordinate.signal import signal_of_input
-from mecano.element_interface import named
+from mecano.constraints.along_coordinate.signal import OF_SLOPE, VALUE, signal_of_input
+from mecano.element_interface import Output, named
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import places_of_jumps
-from mecano.laws.table import breakpoints, curve
+from mecano.laws.probe import corners, places_of_jumps
+from mecano.laws.table import breakpoints, curve, curve_and_slope
 from mecano.laws.term import VALUE as VALUE_UNIT
 from mecano.maths.dual import number
 from mecano.schema import CURVE as CURVE_LAW
 from mecano.schema import Field
 
+SLOPE = Output("slope", OF_SLOPE, "dc/du, of the input time the rate; where it jumps, that after the corner")
 OWN, U = 0, 1  # local unknowns: the value; the input
 
 
@@ -24,6 +27,13 @@ OWN, U = 0, 1  # local unknowns: the value; the input
 def residual(p, at, f):
     """Add the equation of the value."""
     f[OWN] += number(at.q[OWN]) - curve(at.laws, p.law, number(at.q[U]))
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write the value and the slope of the law."""
+    _, slope = curve_and_slope(at.laws, p.law, number(at.q[U]))
+    y[0], y[1] = at.q[OWN], slope
 
 
 def times(d, start, end):
@@ -42,6 +52,8 @@ CURVE = signal_of_input(
     "curve",
     __doc__,
     Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
+    outputs=(VALUE, SLOPE),
     jumps=lambda d: bool(places_of_jumps(d["law"])),
-    **named(residual, times, sample),
+    output_jumps=lambda d, output: output == SLOPE.name and bool(corners(d["law"])),
+    **named(residual, observe, times, sample),
 )
