@@ -8,8 +8,10 @@ from scipy.spatial.transform import Rotation
 from mecano.analyses.differences import STEP, difference
 from mecano.analyses.kind_samples import SENSED, Instance, Local, samples, seed_of
 from mecano.constraints.output_sensor import output_sensor
-from mecano.element_interface import Kind, Output
+from mecano.element_interface import POWERS, Kind, Output
 from mecano.maths.dual import value as number_in
+
+ENERGIES = ("kinetic energy", "potential energy", *POWERS)  # written by ``observe`` after the outputs
 
 
 def check_output_rates(kind: Kind) -> None:
@@ -51,13 +53,15 @@ def _alike(instance, sample):
 
 
 def check_measures(kind: Kind) -> None:
-    """Signals that measure outputs have their values, and exact derivatives; hidden outputs are declared."""
+    """Signals that measure outputs and powers have their values, and exact derivatives; hidden ones are declared."""
     for sample in samples(kind):
         for instance in sample.instances:
-            outputs = output_of_numbers(instance.kind)
-            measured = [i for i, output in enumerate(outputs) if output.name not in instance.kind.hidden]
+            names = [output.name for output in output_of_numbers(instance.kind)]
+            measured = [i for i, name in enumerate(names) if name not in instance.kind.hidden]
+            if instance.kind.observe:
+                measured += [len(names) + i for name, i in POWERS.items() if name not in kind.hidden]
             if measured and not instance.kind.of_signals:
-                _check_sensors(instance, sample.motion, measured, [output.name for output in outputs])
+                _check_sensors(instance, sample.motion, measured, [*names, *ENERGIES])
 
 
 def _check_sensors(instance, motion, measured, names):
@@ -69,7 +73,7 @@ def _check_sensors(instance, motion, measured, names):
     direction[1, rates:] = 0.0
 
     def outputs(h):
-        return instance.observe(t, moved_along(instance, state, h * direction), unknown)[0]
+        return np.concatenate(instance.observe(t, moved_along(instance, state, h * direction), unknown))
 
     values, slopes = outputs(0.0), difference(outputs, STEP)
     largest = np.abs(values[measured]).max()
@@ -88,7 +92,7 @@ def output_of_numbers(kind: Kind) -> list[Output]:
 
 
 def sensor_of(instance: Instance, index: int) -> Instance:
-    """Return the sensor of output ``index`` of an instance."""
+    """Return the sensor of output ``index`` of an instance; its energies follow its outputs."""
     coupled = [instance, *instance.coupled]
     kind = output_sensor(instance.kind, sum(len(other.multipliers) for other in coupled))
     p = np.zeros(1, kind.dtype)

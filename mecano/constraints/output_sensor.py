@@ -1,4 +1,4 @@
-r"""Sensors of the outputs of elements: a signal y with y - c = 0, where c is an output as ``observe`` writes it.
+r"""Sensors of outputs and powers of elements: a signal y with y - c = 0, where c is a number that ``observe`` writes.
 
 The local unknowns of a sensor are those of the ``observe`` of the element, the value y follows them: positions and
 rotations, scalars and inputs, and the multipliers, of which reactions are linear functions. It has the record, the
@@ -10,7 +10,7 @@ outputs that depend on them are ``Kind.hidden``.
 from functools import cache
 
 from mecano.constraints.along_coordinate.signal import SIGNAL
-from mecano.element_interface import Kind, Row, with_fields
+from mecano.element_interface import Kind, Row, named, with_fields
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import allocate_items, free
 from mecano.maths.dual import number
@@ -22,12 +22,13 @@ ENERGIES = 4  # number of energies that ``observe`` writes
 def output_sensor(kind, n_multipliers):
     """Return the Kind that senses an output of ``kind``, whose ``observe`` sees ``n_multipliers`` multipliers.
 
-    Its record is that of ``kind`` with the index ``sensed`` of the output, components of vectors counted.
+    Its record is that of ``kind`` with the index ``sensed`` of the output, components of vectors counted; the four
+    energies follow the outputs.
     """
     row, observe = 3 * len(kind.layout) + len(kind.scalars) + len(kind.inputs) + n_multipliers, kind.observe
+    n_outputs = outputs_of(kind)
     for phase, outputs in kind.idle.items():
         observe = _idle(observe, kind.phases.index(phase), outputs)
-    n_outputs = sum(output.size for output in kind.outputs)
     n_forces = 3 * len(kind.layout)
 
     @kernel
@@ -46,8 +47,29 @@ def output_sensor(kind, n_multipliers):
     )  # fmt: skip
 
 
+def outputs_of(kind):
+    """Return the number of outputs of a kind, components of vectors counted."""
+    return sum(output.size for output in kind.outputs)
+
+
+@cache
+def sum_of(n):
+    """Return the Kind of the sum of n inputs: the powers of the parts of an element."""
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        f[0] += at.q[0]
+        K[0, 0] += 1.0
+        for i in range(1, n + 1):
+            f[0] -= at.q[i]
+            K[0, i] -= 1.0
+
+    inputs = tuple(f"input_{i}" for i in range(1, n + 1))
+    return Kind(name="sum", doc="Sum of sensors.", inputs=inputs, **SIGNAL, **named(force))
+
+
 def _idle(observe, phase, outputs):
-    """Return ``observe`` with the ``outputs`` zero in the phase of this index."""
+    """Return ``observe`` with the ``outputs`` and the energies zero in the phase of this index."""
 
     @kernel
     def observe_idle(p, at, F, y, e):
@@ -55,5 +77,7 @@ def _idle(observe, phase, outputs):
         if at.phase == phase:
             for i in outputs:
                 y[i] = 0.0
+            for i in range(ENERGIES):
+                e[i] = 0.0
 
     return observe_idle

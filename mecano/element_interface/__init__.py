@@ -77,6 +77,7 @@ from mecano.element_interface.declarations import (
     CONTACT,
     GRIP,
     LOCK,
+    POWERS,
     RELEASES,
     WAITS,
     Display,
@@ -100,9 +101,9 @@ from mecano.element_interface.kind import (
 from mecano.element_interface.records import UNUSED, record, recorded, recorded_values, with_fields
 
 __all__ = [
-    "BY_COMMAND", "CONTACT", "FREELY", "GRIP", "LOCK", "RELEASES", "SECTIONS", "UNUSED", "WAITS", "Context", "Display",
-    "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "named", "nothing",
-    "record", "recorded", "recorded_values", "with_fields",
+    "BY_COMMAND", "CONTACT", "FREELY", "GRIP", "LOCK", "POWERS", "RELEASES", "SECTIONS", "UNUSED", "WAITS", "Context",
+    "Display", "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "named",
+    "nothing", "record", "recorded", "recorded_values", "with_fields",
 ]  # fmt: skip
 
 

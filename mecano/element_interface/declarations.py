@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from mecano.constraints.coordinates.coordinate import Coordinate
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
+POWERS = {"dissipated_power": 2, "given_power": 3}
+"""{name: index among the energies that ``observe`` writes} of the powers that signals read of an element in total"""
 RELEASES = "releases"  # name of the events after which an element is no longer there
 WAITS = "waits"  # name of the events after which an element that is due does not act yet
 

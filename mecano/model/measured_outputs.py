@@ -1,9 +1,10 @@
 """Outputs of elements that signals can measure, and the names of their numbers in formulas.
 
-A vector ``force`` has the components ``force.x``, ``force.y``, ``force.z``; ``force.magnitude`` is its length.
+A vector ``force`` has the components ``force.x``, ``force.y``, ``force.z``; ``force.magnitude`` is its length. The
+powers of an element and its parts together, ``given_power`` and ``dissipated_power``, are measured, too.
 """
 
-from mecano.element_interface import Kind, Output
+from mecano.element_interface import POWERS, Kind, Output
 from mecano.schema import Values
 
 AXES = "xyz"
@@ -21,6 +22,13 @@ def measured_outputs(kind: Kind, d: Values) -> list[tuple[Output, str]]:
     """Return [(Output, suffix of its name)] of the outputs that signals can read of an element with these values."""
     options = [(part, label) for field, part, label in kind.optional if _is_given(d[field], label.removeprefix("_"))]
     return [(output, label) for one, label in [(kind.chosen(d), ""), *options] for output in measurable(one)]
+
+
+def powers(kind: Kind) -> dict[str, int]:
+    """Return {name in formulas: index among the energies} of the powers that signals can read of an element."""
+    own = {output.name for output in kind.outputs}
+    found = {name: i for name, i in POWERS.items() if name not in own | kind.hidden.keys()}
+    return found if kind.section != "signals" and kind.outputs else {}
 
 
 def _is_given(value, axis):

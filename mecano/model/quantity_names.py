@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from mecano.constraints.sensors import NODE_SENSORS
 from mecano.element_interface import Kind
-from mecano.model.measured_outputs import AXES, MAGNITUDE, measured_outputs, quantities
+from mecano.model.measured_outputs import AXES, MAGNITUDE, measured_outputs, powers, quantities
 from mecano.schema import Values
 
 Entries: TypeAlias = Mapping[tuple[str, str], tuple[Kind, Values]]  # (section, name) -> kind and deck values
@@ -84,7 +84,9 @@ def _offered(section, owner, entries):
     if section == "signals":  # whose value has the name of the signal
         kind, d = entries[section, owner]
         return [output.name for output in kind.chosen(d).outputs if output.name != VALUE]
-    return [name for output, label in measured_outputs(*entries[section, owner]) for name in quantities(output, label)]
+    kind, d = entries[section, owner]
+    outputs = [name for output, label in measured_outputs(kind, d) for name in quantities(output, label)]
+    return [*outputs, *powers(kind.chosen(d))]
 
 
 def _advice(what, kind=None, d=None):

@@ -37,7 +37,7 @@ from mecano.laws.formula import (
     TIME,
     read_formula,
 )
-from mecano.model.measured_outputs import measured_outputs, quantities
+from mecano.model.measured_outputs import measured_outputs, powers, quantities
 from mecano.model.quantity_names import resolve
 from mecano.model.sampler import NODE_OUTPUTS
 from mecano.model.unit_products import product_unit
@@ -196,7 +196,10 @@ class _Units:
             return OF_NODES[what.partition(".")[0]]
         if section == "signals" and not what:
             return self.of_signal(owner)
-        outputs = measured_outputs(*self.entries[section, owner])
+        kind, d = self.entries[section, owner]
+        if what in powers(kind.chosen(d)):
+            return "W"
+        outputs = measured_outputs(kind, d)
         found = next(output for output, label in outputs if what in quantities(output, label))
         return self.of_output(owner, found) if section == "signals" else found.unit
 

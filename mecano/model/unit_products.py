@@ -10,6 +10,7 @@ FACTOR = re.compile(r"([A-Za-z]+)(-?[0-9]+)?")
 MADE_OF = {"Pa": {"N": 1.0, "m": -2.0}, "J": {"N": 1.0, "m": 1.0}, "W": {"N": 1.0, "m": 1.0, "s": -1.0},
            "Hz": {"s": -1.0}}  # fmt: skip
 NAMES = {"N m/s": "W", "N/m2": "Pa"}
+WORK = {"W", "s"}  # units of a product that is an energy, not a moment
 NUMBER = "-"  # unit of a number
 ORDER = ("kg", "N", "m", "rad", "s")
 
@@ -25,6 +26,8 @@ def product_unit(*factors: tuple[str, float]) -> str:
             powers[symbol] += power * one
     if powers["rad"] > 0.0 and any(powers[symbol] for symbol in ("kg", "N", "m")):
         powers["rad"] = 0.0
+    if len(factors) == 2 and set(factors) == {(unit, 1.0) for unit in WORK}:
+        return "J"
     return _text(powers) if all(power.is_integer() for power in powers.values()) else ""
 
 

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.constraints.output_sensor import output_sensor
+from mecano.constraints.output_sensor import output_sensor, outputs_of, sum_of
 from mecano.constraints.sensors import NODE_SENSORS, SENSORS
 from mecano.element_interface import OwnOutput, Part
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
-from mecano.model.measured_outputs import AXES, MAGNITUDE, index_of, magnitude_of
+from mecano.model.measured_outputs import AXES, MAGNITUDE, index_of, magnitude_of, powers
 from mecano.model.model import Model, title_of
 from mecano.model.quantity_names import resolve
 
@@ -100,6 +100,10 @@ class _Wiring:
             title, part, nodes = f"node '{owner}'", _sensor_of_node(what), (self.nodes[owner],)
         else:
             element = self.elements[section, owner]
+            power = powers(element.kind.chosen(element.values)).get(what)
+            if power is not None:
+                self.sources[name] = self._of_powers(f"{title_of(element.kind.name, owner)}: {what}", name, power)
+                return self.sources[name]
             nodes = tuple(self.nodes[node] for node in element.nodes)
             frames = [(np.asarray(self.model.nodes[i].x, float), self.model.nodes[i].R) for i in nodes]
             title = title_of(element.kind.name, owner)
@@ -122,6 +126,16 @@ class _Wiring:
                     self.hidden.add(path)
                 return self._append_sensor(title, i, item, index)
         raise AssertionError(f"{what} is not an output of {path}")
+
+    def _of_powers(self, title, name, power):
+        """Append the sum of a power over an element and its parts, and their sensors; ``power``: its index."""
+        section, owner, what = resolve(name, self.entries, self.nodes)
+        path, terms = f"{section}/{owner}", []
+        for i, item in [(i, item) for i, item in enumerate(self.instances) if item.path == path and item.kind.observe]:
+            terms.append(f"{name} of {i}")  # no formula has such a text
+            self.sources[terms[-1]] = self._append_sensor(title, i, item, outputs_of(item.kind) + power)
+        self.instances.append(Instance(title, f"sensors/{path}/{what}", sum_of(len(terms)), (), {}, reads=tuple(terms)))
+        return len(self.instances) - 1
 
     def _append_sensor(self, title, i, item, index):
         coupled = (i, *(item.coupled_to if item.kind.acts else range(i + 1, i + 1 + item.n_parts)))

@@ -23,7 +23,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.joint_samples import rotation
-from mecano.element_interface import Display, Kind, Output, named, record
+from mecano.element_interface import POWERS, Display, Kind, Output, named, record
 from mecano.elements.bodies.reduced_matrices import (
     buckling_load,
     first_clamped_frequency,
@@ -219,7 +219,8 @@ def _outputs(n_nodes, n_modes, more=""):
 
 def _hidden(outputs):
     """Return {output: what to do instead}: they do not follow from Duals."""
-    return {output.name: "measure the motion of its nodes, or a reaction of a joint" for output in outputs}
+    names = [*(output.name for output in outputs), *POWERS]
+    return dict.fromkeys(names, "measure the motion of its nodes, or a reaction of a joint")
 
 
 def sample(rng):

@@ -24,7 +24,7 @@ from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.triads import hat, unit
-from mecano.element_interface import Display, Kind, Output, named, record
+from mecano.element_interface import POWERS, Display, Kind, Output, named, record
 from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
 from mecano.elements.members.beam_elastic import (
     add_elastic,
@@ -237,7 +237,8 @@ BEAM = Kind(
         THERMAL,
     ),
     outputs=OUTPUTS,
-    hidden=dict.fromkeys([output.name for output in OUTPUTS], "read the reaction of a joint at its end, such as fixed"),
+    hidden=dict.fromkeys([output.name for output in OUTPUTS], "read the reaction of a joint at its end, such as fixed")
+    | dict.fromkeys(POWERS, "it is part of the 'energy.dissipated' and 'energy.given' of the results"),
     flexible=True,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     by_lanes=True,
