@@ -255,8 +255,8 @@ robot, robot arm, manipulator, serial robot -> hinge joint_moment pid sample_and
     joint_moment each; prescribed_angle for inverse dynamics; `mecano new --list`
 stress, stresses, von mises, bending stress -> beam bar | outputs of beams and bars with a section; `mecano post` draws
     them, a page colours them
-work, work done, consumed energy, electric energy -> integrator | the integral of the output 'power' of a load or a
-    driven joint; energy.given sums all of them
+work, work done, consumed energy, electric energy -> integrator | of NAME.given_power of a load, a motor or a driven
+    joint; energy.given sums all of them
 spectrum, psd, power spectral density, fft, fourier -> | `mecano post` with --spectrum or --density draws that of an
     output; saved times must be equidistant
 rebound, rebound stop, bump, jounce -> stop | the upper and the lower stop of a law or a joint
@@ -269,7 +269,7 @@ momentum, angular momentum, center of mass, centre of mass -> | `mecano momentum
     over a run; no section of a deck is needed
 results, result, sampling, save -> output | `mecano info`, `mecano post` and `mecano export` read the results
 dissipation, power loss, losses, energy, energy balance -> output | the results contain energy.dissipated, energy.given,
-    energy.balance, and the 'dissipated_power' of elements
+    energy.balance; of one element, an integrator of its given_power or dissipated_power
 outputs, reaction, reactions -> output study | `mecano explain KIND` lists the outputs of a kind, `mecano info RESULTS
     --names` those of a run, all of which are saved; the outputs of a study are numbers of each of its cases
 unit, si, dimensions -> units
