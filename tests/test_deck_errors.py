@@ -249,8 +249,8 @@ NAMES = [
     ("[top, knee]", "[top, kne]", 17, "kne",
      "hinge 'pin': unknown node 'kne'; did you mean 'knee'?"),
     ("[top, knee]", "[top, p$steps]", 17, "p$steps",
-     "hinge 'pin': unknown node 'p$steps'; names contain values of a 'repeat' only, those of the entry itself: repeat: "
-     "{n: [$last]}"),
+     "hinge 'pin': unknown node 'p$steps'; names contain values of a 'repeat', those of the entry itself, and words "
+     "among the parameters: repeat: {n: [$last]}, parameters: {side: left}"),
     ("[ground, axle]", "[axle, grond]", 18, "grond",
      "hinge 'held': unknown node 'grond'; did you mean 'ground'?"),
     ("[ground, axle]", "[ground, ground]", 18, "ground",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
 SIGNS = re.compile(r"[\s*/+<>,()]|^-")  # outside of inserts: of formulas, not of names
+OUTPUT = re.compile(r"\$[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+")  # an output or a motion of what a word names
 QUANTITY = re.compile(r"(?<![\w.])[0-9][0-9.]*\s*(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
 OPERAND = re.compile(rf"(?<![\w.])(?!(?:{WORDS})\b)[A-Za-z_]\w*\b(?!\s*\()")
 MEASURED = re.compile(rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()")
@@ -25,7 +26,8 @@ JOINED = re.compile(r"[\w.$)(]")  # next to an insert: it is part of a name
 
 def is_formula(text: str, parameters: "Parameters") -> bool:
     """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
-    if text.startswith("=") or not SIGNS.search(INSERT.sub("", text).strip()):
+    signs = OUTPUT.fullmatch(text.strip()) or SIGNS.search(INSERT.sub("", text).strip())
+    if text.startswith("=") or not signs:
         return False
     shown = INSERT.sub(lambda match: "x" if parameters.word(inner_text(match)) else "0", text)
     return not QUANTITY.search(shown) and OPERAND.search(shown) is not None

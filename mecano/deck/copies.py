@@ -1,11 +1,12 @@
-"""Expansion of entries with ``repeat`` and of templates placed by ``place`` into plain entries.
+"""Expansion of entries with ``repeat``, of templates placed by ``place``, and of words, into plain entries.
 
 Any entry of a section of names may have ``repeat``; its values are inserted into the name and the expressions:
 
     nodes:
       p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}
 
-A template is a small deck with parameters of its own; ``place`` puts copies of it into the deck.
+A template is a small deck with parameters of its own; ``place`` puts copies of it into the deck. Entries that refer to
+a parameter that is a word are copied once, with the word in its place.
 """
 
 from collections.abc import Iterable
@@ -24,6 +25,7 @@ from mecano.deck.scope import INVALID, Scope
 from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
+from mecano.deck.words import mentions, without, words_of
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import Field
 
@@ -62,6 +64,7 @@ class Copies:
         self.without_value: Node | None = None  # that needs a parameter without a value, which is refused elsewhere
         self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
+        self.words = scope.parameters.words = words_of(root, scope.parameters)
         self.count = self.count_placed = 0
 
     @property
@@ -70,13 +73,20 @@ class Copies:
         return self.without_value is not None or len(self.scope.problems) > self.problems
 
     def written_out(self, root: Node) -> Node:
-        """Return the tree of the deck without templates, places and repeats."""
+        """Return the tree of the deck without templates, places, repeats, and words among the parameters."""
         value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
+        for name in [name for name in value if name not in self.fields and name != "parameters"]:
+            key, node = value[name]
+            if self._has_word(node):
+                value[name] = (key, self.copy(node, self.deck))
         for section, entries in self.sections(root, self.deck).items():
             if entries or section in value:
                 key, node = root.value.get(section, (root, root))
                 value[section] = (key, Node(entries, node.source, node.line, node.column))
         self.scope.unplaced = self.templates.unplaced(root)
+        if self.words and "parameters" in value:
+            key, node = root.value["parameters"]
+            value["parameters"] = (key, without(node, self.words))  # those that remain are numbers
         return Node(value, root.source, root.line, root.column)
 
     def sections(self, body: Node, level: Level) -> dict[str, Entries]:
@@ -101,7 +111,8 @@ class Copies:
             return found
         for name, (key, node) in given[1].value.items():
             repeated = type(node.value) is dict and "repeat" in node.value
-            if level is self.deck and not repeated and section != "place":
+            plain = level is self.deck and not repeated and section != "place"
+            if plain and not (self._has_word(key) or self._has_word(node)):
                 found[name] = (key, node)
                 continue
             with self._about(f"{singular(section)} {quoted(name)}", level.parameters):
@@ -109,6 +120,10 @@ class Copies:
                     self.scope.parameters = parameters
                     self._copy_entry(key, _without_repeat(node) if repeated else node, level, found)
         return found
+
+    def _has_word(self, node):
+        """Return whether a tree has an expression with a parameter of the deck that is a word."""
+        return bool(self.words) and mentions(node, self.words)
 
     def _copy_entry(self, key, node, level, found):
         before = len(self.scope.problems)

@@ -55,7 +55,8 @@ def suspicious(
     """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 
     ``used`` is {section: names} of the parameters and named entries that the deck refers to; ``kinds`` is {name: Kind}
-    of all elements. ``varied`` is True for a deck with overrides, which may leave entries without a use.
+    of all elements. ``varied`` is True for a deck with overrides, or words that choose among entries, which may leave
+    some without a use.
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),

@@ -1,7 +1,7 @@
 """Named numbers, defined in any order; circular definitions are refused.
 
-They come from the section ``parameters`` of the deck, and from each copy of a template or of an entry with ``repeat``,
-where they may also be words: ``side: left``.
+They come from the section ``parameters`` of the deck, and from each copy of a template or of an entry with ``repeat``.
+They may also be words, which are inserted into names: ``side: left``.
 """
 
 from collections.abc import Iterator
@@ -38,6 +38,7 @@ class Parameters:
         self.outer = outer
         self.values: dict[str, float | None] = {}  # name -> number, or None when it was refused
         self.used: set[str] = set()  # names that have been referred to
+        self.words: set[str] = set()  # names of the deck's parameters that are words
         self._open: list[str] = []  # names being evaluated
 
     def known(self, name: str) -> bool:
@@ -57,7 +58,7 @@ class Parameters:
         if name not in self.nodes:
             return self.outer.word(name) if self.outer else None
         node = self.nodes[name]
-        return node if self.outer and is_word(node) else None
+        return node if name in self.words or (self.outer and is_word(node)) else None
 
     @contextmanager
     def working_on(self, name: str) -> Iterator[None]:

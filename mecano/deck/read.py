@@ -84,7 +84,7 @@ def deck_of(
     root = settled(root, [pair for pair in inclusion.settings if pair not in early], sections, problems)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides))
+    lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides or scope.parameters.words))
     idle = [] if overrides else unplaced(scope.unplaced)  # an override may remove the copies of a template
     warnings = (*lint, *idle, *scope.doubts)
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}

@@ -146,7 +146,10 @@ def _unknown(reference, known, sections, scope):
     if reference.name == "ground" and reference.section == "nodes":
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif "$" in reference.name:
-        hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
+        hint = (
+            "names contain values of a 'repeat', those of the entry itself, and words among the parameters: "
+            "repeat: {n: [$last]}, parameters: {side: left}"
+        )
     elif len(parts := re.split(r"[\s,;]+", reference.name)) > 1 and set(parts) <= {*known}:
         hint = f"each name is an item of its own: {', '.join(parts)}"
     elif elsewhere := _other_section_hint(reference, sections):
