@@ -25,7 +25,6 @@ from mecano.deck.scope import INVALID, Scope
 from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
-from mecano.deck.words import mentions, without, words_of
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import Field
 
@@ -64,7 +63,7 @@ class Copies:
         self.without_value: Node | None = None  # that needs a parameter without a value, which is refused elsewhere
         self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
-        self.words = scope.parameters.words = words_of(root, scope.parameters)
+        self.words = scope.parameters.words = _words(root, scope.parameters)
         self.count = self.count_placed = 0
 
     @property
@@ -85,6 +84,8 @@ class Copies:
                 value[section] = (key, Node(entries, node.source, node.line, node.column))
         self.scope.unplaced = self.templates.unplaced(root)
         if self.words and "parameters" in value:
+            from mecano.deck.words import without
+
             key, node = root.value["parameters"]
             value["parameters"] = (key, without(node, self.words))  # those that remain are numbers
         return Node(value, root.source, root.line, root.column)
@@ -123,7 +124,11 @@ class Copies:
 
     def _has_word(self, node):
         """Return whether a tree has an expression with a parameter of the deck that is a word."""
-        return bool(self.words) and mentions(node, self.words)
+        if not self.words:
+            return False
+        from mecano.deck.words import mentions
+
+        return mentions(node, self.words)
 
     def _copy_entry(self, key, node, level, found):
         before = len(self.scope.problems)
@@ -264,6 +269,15 @@ class Copies:
             yield
         finally:
             scope.subject, scope.parameters, scope.owner, scope.path = before
+
+
+def _words(root, parameters):
+    """Return the names of the parameters of the deck that are words."""
+    if not any(map(is_word, parameters.nodes.values())):
+        return set()
+    from mecano.deck.words import words_of  # few decks need it
+
+    return words_of(root, parameters)
 
 
 def _without_repeat(node):
