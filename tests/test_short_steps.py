@@ -1,9 +1,12 @@
 """Runs in which steps are very short for long: a warning names the unknown that limits them."""
 
+from types import SimpleNamespace
+
 import pytest
 from time_runs import deck
 
 import mecano
+from mecano.analyses import dynamic, outlook
 from mecano.analyses.dynamic import run
 
 HUM = """
@@ -34,3 +37,39 @@ def test_short_steps_are_warned_of(amplitude, warned, tmp_path):
         assert "there the acceleration changes most in node b: displacement x; on it act point_mass 'right'" in text
         begin, end = (float(text.partition(before)[2].split()[0]) for before in ("between t = ", " s and "))
         assert begin < end == pytest.approx(0.5101, abs=1e-4)
+
+
+def test_a_run_that_will_take_long_says_so_once(tmp_path, monkeypatch):
+    """While it goes on: here after no time, with what limits the steps."""
+    monkeypatch.setattr(dynamic, "AT_ONCE", -1.0)
+    monkeypatch.setattr(outlook, "WATCHED", 0.0)
+    monkeypatch.setattr(outlook, "LONG", 0.0)
+    said = []
+    run(deck(HUM.format(amplitude=1e6)), tmp_path / "hum.h5", announce=said.append, interval=1e-3)
+    [text] = [text for text in said if "at this pace the rest of the run takes" in text]
+    assert "The acceleration changes most in node " in text and "displacement x; on it act point_mass" in text
+
+
+@pytest.mark.parametrize(
+    ("step", "at", "said"),
+    [
+        (
+            1e-6,
+            1.0,
+            "1e-06 s on average, 1e+04 times less than the longest; at this pace the rest of the run takes 5 hours",
+        ),
+        (1e-4, 1.0, ""),  # not so much shorter than the longest
+        (1e-6, 9.9, ""),  # soon at its end: 3 minutes
+    ],
+)
+def test_the_pace_of_a_run(monkeypatch, step, at, said):
+    """A thousand seconds for half a second of motion, which ends at 10 s."""
+    times, texts = iter([0.0, 1000.0]), []
+    monkeypatch.setattr(outlook.clock, "monotonic", lambda: next(times))
+    runs = [
+        SimpleNamespace(steps=0, motion=SimpleNamespace(t=at - 0.5)),
+        SimpleNamespace(steps=round(0.5 / step), motion=SimpleNamespace(t=at)),
+    ]
+    method = SimpleNamespace(method=SimpleNamespace(order=5))
+    outlook.Outlook(method, 10.0, texts.append, runs[0]).look(runs[1], 0.01)
+    assert len(texts) == bool(said) and all(said in text for text in texts)

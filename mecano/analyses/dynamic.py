@@ -1,5 +1,6 @@
 """A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
+import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
@@ -42,6 +43,7 @@ from mecano.results.writer import Writer
 if TYPE_CHECKING:
     import os
 
+    from mecano.analyses.outlook import Outlook
     from mecano.analyses.prepare import Prepared
     from mecano.deck.deck import Deck
     from mecano.solve.time.run_state import RunState
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.time_integration import Accepted, TimeIntegrator
 
 BLOCK = 200  # steps judged together, at least
+AT_ONCE = 5.0  # s of wall-clock time: the pace of runs that take longer is watched
 VERY_SHORT = 5e-5  # of the duration: mean step of a stretch that is watched
 
 
@@ -264,7 +267,12 @@ class Ongoing:
         self._judged = start
         self._short_steps: ShortSteps | None = None
         judges = [self._judge_steps] if integrator.control.adaptive and integrator.method.order == 2 else []
-        integrator.reporters = recorder.report, *judges, *supervision.reporters
+        self._outlook: Outlook | None = None
+        self._begun, self._longest = (
+            clock.monotonic(),
+            0.0 if integrator.control.adaptive else integrator.control.maximum,
+        )
+        integrator.reporters = recorder.report, *judges, self._watch_pace, *supervision.reporters
 
     def _judge_steps(self, run):
         """Let a monitor, once there is a reason for one, count the steps up to ``run`` if they are very short."""
@@ -279,6 +287,18 @@ class Ongoing:
 
                 self._short_steps = ShortSteps(self.integrator.method, control)
             self._short_steps.add(last, run)
+
+    def _watch_pace(self, run):
+        """Let an Outlook, once the run has taken some time, watch over its pace."""
+        if run.steps > self._start.steps:  # before, the step is a first guess
+            self._longest = max(self._longest, run.h)
+        if self._outlook is not None:
+            self._outlook.look(run, self._longest)
+        elif clock.monotonic() - self._begun > AT_ONCE:
+            from mecano.analyses.outlook import Outlook  # most runs end before
+
+            end = self.deck.values["time"]["end"]
+            self._outlook = Outlook(self.integrator, end, self._announce, run)
 
     def advance(self, t: float, given: Mapping[str, float] | None = None) -> None:
         """Integrate to the time ``t`` [s], with new values of external signals from the current time on.

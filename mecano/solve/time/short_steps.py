@@ -18,6 +18,15 @@ SHORT = 1e-3  # of the mean of the other steps: shorter ones are reported
 MANY = 0.1  # of all steps
 
 
+def changing_most(method: "Method", control: "StepControl") -> int:
+    """Return the index of the unknown with the largest error in the last step, as it counts; signals have none."""
+    w, of, n_q = method.workspace, method.system.numbering, method.system.n_q
+    change, kind = np.abs(w.history[TRIAL, :n_q] - w.carried[1, :n_q]), of.kind[:n_q]
+    change[method.system.massless[:n_q]] *= control.forgotten(1.0, float(w.record["h"][0]))
+    change[kind >= SIGNAL] = 0.0
+    return int(np.argmax(change / np.where(kind == ROTATION, 1.0, method.length)))
+
+
 class Decade:
     """Stretches whose mean steps have the same order of magnitude."""
 
@@ -39,16 +48,8 @@ class ShortSteps:
         size = floor(log10(max(time, np.finfo(float).tiny) / steps))
         decade = self._decades.setdefault(size, Decade(before.motion.t))
         decade.steps, decade.time, decade.end = decade.steps + steps, decade.time + time, run.motion.t
-        i = self._limited_by()
+        i = changing_most(self.method, self.control)
         decade.limiting[i] = decade.limiting.get(i, 0) + 1
-
-    def _limited_by(self):
-        """Return the index of the unknown with the largest error in the last step, as it counts; signals have none."""
-        w, of, n_q = self.method.workspace, self.method.system.numbering, self.method.system.n_q
-        change, kind = np.abs(w.history[TRIAL, :n_q] - w.carried[1, :n_q]), of.kind[:n_q]
-        change[self.method.system.massless[:n_q]] *= self.control.forgotten(1.0, float(w.record["h"][0]))
-        change[kind >= SIGNAL] = 0.0
-        return int(np.argmax(change / np.where(kind == ROTATION, 1.0, self.method.length)))
 
     def warnings(self, run: "RunState") -> Iterator[str]:
         """Yield a warning if many of the steps of ``run`` are much shorter than the others."""
