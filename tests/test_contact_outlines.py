@@ -37,3 +37,29 @@ def test_a_plane_below_a_mechanism_in_space_is_a_rectangle():
     assert len(outline) == 5 and np.array_equal(outline[0], outline[-1])
     np.testing.assert_allclose(outline.min(axis=0), (-room, -room, 0.0), atol=1e-12)
     np.testing.assert_allclose(outline.max(axis=0), (1.0 + room, room, 0.0), atol=1e-12)
+
+
+def test_contacts_with_one_plane_share_its_outline():
+    """Two feet 1 m apart: the first contact has the outline below both, the second none; another plane is another."""
+    places = {"left": np.array([[0.0, 0.0, 0.1]]), "right": np.array([[1.0, 0.0, 0.1]])}
+    floor, table = (
+        {"normal": [0.0, 0.0, 1.0], "point": [0.0, 0.0, 0.0]},
+        {"normal": [0.0, 0.0, 1.0], "point": [0.0, 0.0, 0.5]},
+    )
+    contacts = {
+        "first": {"nodes": ["ground", "left"], "plane": floor},
+        "second": {
+            "nodes": ["ground", "right"],
+            "plane": {**floor, "normal": [0.0, 0.0, 2.0], "point": [7.0, 0.0, 0.0]},
+        },
+        "other": {"nodes": ["ground", "right"], "plane": table},
+    }
+    deck = {"nodes": {name: {"position": list(path[0])} for name, path in places.items()}, "joints": contacts}
+    motion = SimpleNamespace(
+        nodes=list(places), run=SimpleNamespace(deck=deck), path=places.__getitem__, position=places.__getitem__
+    )
+    [first], second, [other] = (surface_outlines(motion, d, 0.0) for d in contacts.values())
+    room = LARGE * 1.0
+    np.testing.assert_allclose(np.sort(first[0][:, 0]), (-room, 1.0 + room), atol=1e-12)
+    assert not second
+    np.testing.assert_allclose(np.sort(other[0][:, 0]), (1.0 - room, 1.0 + room), atol=1e-12)

@@ -34,6 +34,23 @@ def test_the_view_of_a_line_has_room_for_it_and_the_title():
         assert width > max(extent[0], 0.5 * extent[1]) and height > max(extent[1], 0.15 * extent[0])
 
 
+@pytest.mark.parametrize(("extent", "across"), [((0.4, 1.2), True), ((1.2, 0.2), False), ((1.0, 0.8), False)])
+def test_a_film_has_the_shape_of_its_motion(path, extent, across):
+    """An upright one is narrower than high, and the view takes most of the figure, which has even numbers of pixels."""
+    with opened_runs([path]) as [run]:
+        scene = scene_of(run, 2)
+    line = np.array([(0.0, 0.0, 0.0), (extent[0], 0.0, extent[1])])
+    scene = replace(scene, shapes=[Shape(ROD, "bar", line[None].repeat(2, axis=0))], colours=[{}], ranges=[])
+    scene = replace(scene, eye=np.array([0.0, -1.0, 0.0]), up=np.array([0.0, 0.0, 1.0]), grounds=[])
+    figure = Figure()
+    film._Picture(scene, figure).arrange("A bar of which the title is longer than the picture is wide, if upright")
+    width, height = figure.get_size_inches()
+    place = figure.axes[0].get_position(original=True)
+    assert (height > width) == across and place.width * place.height > 0.6
+    assert np.all(np.round(film.DOTS * np.array([width, height]), 6) % 2 == 0)
+    assert ("\n" in figure.texts[1].get_text()) == across
+
+
 @pytest.mark.parametrize("ending", [".gif", ".webp", ".mp4"])
 def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
     """The frames of a film differ, and the colour of the stress is in them."""
@@ -60,7 +77,7 @@ def test_all_pieces_of_an_element_have_its_colour(path):
     bar = Shape(ROD, "bar", np.linspace((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 9)[None].repeat(2, axis=0))
     stress = np.array([[1.0, 3.0], [3.0, 1.0]])
     scene = replace(scene, shapes=[bar], colours=[{"stress": stress}], ranges=[("stress", "Pa", 1.0, 3.0)])
-    picture = film._Picture(scene, Figure().add_subplot(), "")
+    picture = film._Picture(scene, Figure())
     low, high = cm.ScalarMappable(Normalize(0.0, 1.0), film.COLOURS).to_rgba([0.0, 1.0])
     for frame, (first, second) in enumerate(((low, high), (high, low))):
         picture.show(frame)
@@ -74,7 +91,7 @@ def test_a_body_is_a_closed_outline_around_its_points(path):
         scene = scene_of(run, 2)
     corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.4), (0.0, 0.0, 1.0)])
     scene = replace(scene, shapes=[Shape(BODY, "plate", corners[None].repeat(2, axis=0))], colours=[{}], ranges=[])
-    picture = film._Picture(scene, Figure().add_subplot(), "")
+    picture = film._Picture(scene, Figure())
     picture.show(0)
     segments = next(iter(picture._lines.values())).get_segments()
     assert len(segments) == 4 and np.array_equal(segments[0][0], segments[-1][1])

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 POINTS = 49  # of a circle
 BEYOND, LARGE = 2.0, 0.08  # radii of the ball, sizes of the mechanism: how far a plane is drawn beyond the contact
 NEAR = 0.1  # sizes of the mechanism: where node b is closer to the plane than this, the plane is drawn below it
+SECTIONS = "elements", "joints"  # with contacts
+SAME = 1e-9  # of normals, and m: planes that differ by less are one
 FLAT = 1e-3  # of the size: of a mechanism that extends less across the lines, a plane is a line
 PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are viewed along y
 
@@ -46,8 +48,12 @@ def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np
     elif name == "cam":
         lines = [_cam(motion.run.deck, surface)]
     elif name == "plane":
-        path = _path(motion, a, b, places)
-        lines = [_plane(path - middle, np.stack([main, across, along]), radius, np.stack(list(places.values())))]
+        others = _in_plane(motion, d, places)
+        if others and others[0] != d:
+            return []  # the first of these contacts draws the plane of all
+        nodes = dict.fromkeys([b, *(other["nodes"][1] for other in others)])
+        paths = [_path(motion, a, node, places) - middle for node in nodes]
+        lines = [_plane(paths, np.stack([main, across, along]), radius, np.stack(list(places.values())))]
     else:
         lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]
     return [_carried(motion, a, middle + line) for line in lines]
@@ -61,18 +67,42 @@ def _path(motion, a, b, places):
     return path if a not in motion.nodes else path - motion.path(a) + places[a]
 
 
-def _plane(path, axes, radius, places):
-    """Return the part of a plane that is near the ``path`` (n, 3) of node b, as a line or the outline of a rectangle.
+def _in_plane(motion, d, places):
+    """Return the deck values of all contacts with the plane of that with the values ``d``, in the order of the deck."""
 
-    ``path`` is relative to a point of the plane, ``axes`` are its normal and the directions across and along.
+    def plane_of(values):
+        normal = unit(values["plane"]["normal"])
+        point = values["plane"].get("point")
+        return normal, float(normal @ (places[a] if point is None else np.array(point, float)))
+
+    a = d["nodes"][0]
+    normal, height = plane_of(d)
+    found = [
+        other
+        for section in SECTIONS
+        for other in motion.run.deck.get(section, {}).values()
+        if other.get("plane") and other["nodes"][0] == a
+    ]
+    return [
+        other for other in found
+        if np.allclose(plane_of(other)[0], normal, atol=SAME) and abs(plane_of(other)[1] - height) <= SAME
+    ]  # fmt: skip
+
+
+def _plane(paths, axes, radius, places):
+    """Return the part of a plane near the ``paths`` [(n, 3)] of nodes b, as a line or the outline of a rectangle.
+
+    ``paths`` are relative to a point of the plane, ``axes`` are its normal and the directions across and along.
     """
-    gap, *inside = axes @ path.T
-    reach = np.abs(gap).min()
-    size = float(np.linalg.norm(np.ptp(np.concatenate([path, places - places[0] + path[0]]), axis=0))) or 2.0 * reach
+    whole = np.concatenate(paths)
+    reach = [np.abs(path @ axes[0]).min() for path in paths]
+    size = float(np.linalg.norm(np.ptp(np.concatenate([whole, places - places[0] + whole[0]]), axis=0)))
+    size = size or 2.0 * max(reach)
     room = max(BEYOND * radius, LARGE * size) or 1.0
-    near = np.abs(gap) <= reach + NEAR * size
-    (c, d), (e, f) = ((x[near].min() - room, x[near].max() + room) for x in inside)
-    if np.ptp(places @ axes[1]) <= FLAT * size and np.ptp(inside[0]) <= FLAT * size:
+    near = [path[np.abs(path @ axes[0]) <= least + NEAR * size] for path, least in zip(paths, reach, strict=True)]
+    inside = np.concatenate(near) @ axes[1:].T
+    (c, e), (d, f) = inside.min(axis=0) - room, inside.max(axis=0) + room
+    if np.ptp(places @ axes[1]) <= FLAT * size and np.ptp(whole @ axes[1]) <= FLAT * size:
         middle = 0.5 * (c + d) * axes[1]
         return middle + np.outer([e, f], axes[2])
     return np.array([(c, e), (d, e), (d, f), (c, f), (c, e)]) @ axes[1:]

@@ -2,6 +2,7 @@
 
 import subprocess
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -23,11 +24,12 @@ from mecano.results.whole_file import atomic_file, make_folder
 if TYPE_CHECKING:
     import os
 
-    from matplotlib.axes import Axes
-
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
-SIZE, DOTS = (8.0, 6.0), 90  # inches, per inch
+SIZE, DOTS = (7.2, 5.2), 90  # inches of the largest view, per inch
+NARROWEST, LOWEST = 3.0, 1.6  # inches of a view
+BESIDE, BAR, BELOW = 0.15, (0.12, 0.65), 0.3  # inches beside the view; of the colours and their numbers; of the time
+LETTER, LINE = 0.085, 0.2  # inches of the title
 MARGIN = 1.08
 LINES = {
     ROD: ("#0072b2", 2.4),
@@ -65,12 +67,10 @@ def film(path: "str | os.PathLike[str]", target: "str | os.PathLike[str]", title
 
 
 def _write(scene, target, writer, title):
-    figure = Figure(figsize=SIZE)
-    ax = figure.add_subplot()
-    picture = _Picture(scene, ax, title)
-    picture.show(0)
-    figure.draw_without_rendering()
+    figure = Figure()
     figure.set_layout_engine("none")  # computing the layout for each frame would take half of the time
+    picture = _Picture(scene, figure)
+    picture.arrange(title)
     moving = animation.FuncAnimation(figure, picture.show, frames=len(scene.times), blit=False)
     try:
         moving.save(target, writer=writer, fps=PER_SECOND, dpi=DOTS)
@@ -86,17 +86,17 @@ def half_widths(extent: np.ndarray) -> np.ndarray:
 
 
 class _Picture:
-    """The axes of the film, and the artists updated from frame to frame."""
+    """A figure of the film, and the artists updated from frame to frame."""
 
-    def __init__(self, scene: Scene, ax: "Axes", title: str):
-        self._scene, self._ax, self._projection = scene, ax, projection(scene.eye, scene.up)
+    def __init__(self, scene: Scene, figure: Figure):
+        self._scene, self._projection = scene, projection(scene.eye, scene.up)
+        self._figure, self._ax = figure, (ax := figure.add_subplot())
         self._limits()
         ax.set_axis_off()
         ax.set_aspect("equal")
-        ax.set_title(title, loc="left", fontweight="bold")
         for line in (line for lines in scene.grounds for line in lines):
             ax.plot(*self._flat(line).T, color="#c8b89a", linewidth=1.0, zorder=1)
-        self._time = ax.text(0.0, 0.0, "", transform=ax.transAxes, color=INK)
+        self._time = figure.text(0.0, 0.0, "", color=INK)
         self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style not in MARKS}
         self._marks = {i: self._mark(shape) for i, shape in enumerate(scene.shapes) if shape.style in MARKS}
         self._colours = self._coloured()
@@ -130,9 +130,30 @@ class _Picture:
         name, unit, low, high = known[0]
         factor, shown = shown_unit(unit, np.array([low, high]))
         mapping = cm.ScalarMappable(Normalize(low / factor, high / factor), COLOURS)
-        bar = self._ax.figure.colorbar(mapping, ax=self._ax, shrink=0.6, pad=0.02)
-        bar.set_label(with_unit(name, shown))
+        self._bar = self._figure.colorbar(mapping, cax=self._figure.add_axes((0.9, 0.2, 0.02, 0.6)))
+        self._bar.set_label(with_unit(name, shown))
         return name, factor, mapping
+
+    def arrange(self, title: str) -> None:
+        """Give the figure the shape of the view, with the title above, the time below, and the colours beside it."""
+        view = self._half / max(self._half / SIZE)
+        width, height = np.maximum(view, (NARROWEST, LOWEST))
+        beside = BESIDE + (sum(BAR) if self._colours else 0.0)
+        lines = wrap(title, int(width / LETTER)) or [""]
+        whole = np.array([BESIDE + width + beside, BELOW + height + LINE * (len(lines) + 1)])
+        whole = 2.0 / DOTS * np.ceil(0.5 * DOTS * whole)  # an even number of pixels, as films in MP4 need
+        figure = self._figure
+        figure.set_size_inches(float(whole[0]), float(whole[1]))
+        self._ax.set_position((BESIDE / whole[0], BELOW / whole[1], width / whole[0], height / whole[1]))
+        self._time.set_position((BESIDE / whole[0], 0.3 * BELOW / whole[1]))
+        figure.text(
+            BESIDE / whole[0], 1.0 - 0.4 * LINE / whole[1], "\n".join(lines), va="top", fontweight="bold", color=INK
+        )
+        if self._colours:
+            left, tall = 2.0 * BESIDE + width, min(height, 3.2)
+            self._bar.ax.set_position(
+                (left / whole[0], (BELOW + 0.5 * (height - tall)) / whole[1], BAR[0] / whole[0], tall / whole[1])
+            )
 
     def show(self, frame: int) -> None:
         """Update all artists to the saved time of index ``frame`` of the scene."""
