@@ -177,7 +177,7 @@ def limit_warnings(
     places: np.ndarray | None = None,
     where: str = "t = {:.4g} s",
 ) -> list[str]:
-    """Return a warning for each output that left the range of validity of its element.
+    """Return warnings about outputs that left the range of validity of their elements, one for those alike.
 
     ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
     ``where`` is the text of a time, or of a load factor.
@@ -185,18 +185,27 @@ def limit_warnings(
     below = -extremes.low > extremes.high
     worst = np.where(below, extremes.low, extremes.high)
     when = np.where(below, extremes.low_time, extremes.high_time)
-    found = []
+    alike: dict[tuple[str, str, str], list[tuple[float, float, str, str]]] = {}  # value, time, element, output
 
-    def report(what, values, times, beyond):
+    def collect(what, values, times, beyond):
         for name, d, output, column, limit, text in watched_outputs(deck.values, sampler, what):
             i = column if places is None else np.searchsorted(places, column)
             if beyond(values[i], limit):
-                at = where.format(times[i])
-                found.append(f"{d['type']} '{name}': {output} reached {values[i]:.4g} at {at}, but {text}")
+                key = d["type"], output.partition(".")[0], text
+                alike.setdefault(key, []).append((values[i], times[i], name, output))
 
-    report("limits", worst, when, lambda value, limit: abs(value) > limit)
-    report("lower_limits", extremes.low, extremes.low_time, lambda value, limit: value < limit)
-    return found
+    collect("limits", worst, when, lambda value, limit: abs(value) > limit)
+    collect("upper_limits", extremes.high, extremes.high_time, lambda value, limit: value > limit)
+    collect("lower_limits", extremes.low, extremes.low_time, lambda value, limit: value < limit)
+    return [_beyond_limit(kind, found, text, where) for (kind, _, text), found in alike.items()]
+
+
+def _beyond_limit(kind, found, text, where):
+    """Return the warning about the element of a ``kind`` that is farthest beyond a limit, with the number of others."""
+    value, time, name, output = max(found, key=lambda one: abs(one[0]))
+    others = len({other for _, _, other, _ in found}) - 1
+    also = f" (and {others} more beyond it)" if others else ""
+    return f"{kind} '{name}': {output} reached {value:.4g} at {where.format(time)}, but {text}{also}"
 
 
 def until_warnings(values: "Values", t: float, met: bool) -> Iterator[str]:

@@ -5,6 +5,7 @@ import numpy as np
 from mecano.jit.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, terms_of
+from mecano.laws.tabulated import TABLE, held_ends
 from mecano.maths.distinct import distinct
 
 ROUNDED = 1e-12  # of the largest value of a curve
@@ -51,6 +52,25 @@ def shape_of_curve(law, low, high):
     places = [TERMS[name].shape(values, low, high) for name, values in terms_of(law)]
     s = distinct(np.concatenate([np.zeros(0), *places]))
     return s, curve_values(law, s)
+
+
+def held_beyond(law):
+    """Return the arguments (low, high) beyond which a table of a checked law holds a value that changes up to there.
+
+    They are -inf and inf if no table does.
+    """
+    ends = [held_ends(values) for name, values in terms_of(law) if name == TABLE.name]
+    return max((low for low, _ in ends), default=-np.inf), min((high for _, high in ends), default=np.inf)
+
+
+def table_limits(output, law, what):
+    """Return ``upper_limits`` and ``lower_limits`` of a Kind: where tables of the ``law`` of an output hold its value.
+
+    ``what`` names the value of the law in the texts.
+    """
+    text = f"a table of {what} ends at {{:g}} and holds its last value beyond: add points, or 'beyond: extend'"
+    upper, lower = ([(output, end, text.format(end))] if np.isfinite(end) else [] for end in reversed(held_beyond(law)))
+    return upper, lower
 
 
 def jumps(law, s):

@@ -156,6 +156,17 @@ def table_breakpoints(values):
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
+def held_ends(values):
+    """Return the arguments (low, high), or -inf, inf, beyond which the table holds a value that changes up to there."""
+    n, numbers = len(values["points"]), pack_table(values)
+    x, slopes = numbers[HEAD : HEAD + n], numbers[HEAD + 2 * n : HEAD + 3 * n]
+    holds = values["beyond"] == "hold"
+    return (
+        float(x[0]) if holds and slopes[0] else -np.inf,
+        float(x[-1]) if holds and slopes[-1] else np.inf,
+    )
+
+
 def table_landmarks(values):
     """Return points of a smooth table between which straight lines follow the others within SEEN of their range.
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
+from mecano.model.mesh import piece_names
 from mecano.schema import Values
 
 if TYPE_CHECKING:
@@ -24,16 +25,18 @@ def has_end_conditions(values: Values) -> bool:
 def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
     """Return the monitored outputs of the elements with the deck values ``values``.
 
-    ``what`` is "limits", "lower_limits" or "end_conditions". The result is a list of (name, deck values of the element,
-    output, its column in the row, value, text), one for each component of a vector.
+    ``what`` is "limits", "upper_limits", "lower_limits" or "end_conditions". The result is a list of (name of the
+    element, or of each element of a divided member; deck values, output, its column in the row, value, text), one for
+    each component of a vector.
     """
     columns = {column.path: column for column in sampler.columns}
     return [
-        (name, d, output + part, column.start + i, value, text)
+        (piece, d, output + part, column.start + i, value, text)
         for section in SECTIONS
         for name, d in values[section].items()
         for output, value, text in getattr(KINDS[d["type"]], what)(d)
-        for column in [columns[f"{section}/{name}/{output}"]]
+        for piece in piece_names(name, d)
+        for column in [columns[f"{section}/{piece}/{output}"]]
         for i, part in enumerate((".x", ".y", ".z") if column.size == 3 else ("",))
     ]
 

@@ -49,7 +49,7 @@ from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, named, record
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import curve_at, table_limits
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
 MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
@@ -115,6 +115,12 @@ def check(d, nodes):
     return texts + check_friction(d)
 
 
+def lower_limits(d):
+    """Return the gap at which a table of the law ends."""
+    upper, _ = table_limits("gap", d["law"], "the force")
+    return [(output, -depth, text) for output, depth, text in upper]
+
+
 def _shapes_of_b(d):
     return [name for name in ("rod", "ellipsoid", "face") if d[name] is not None]
 
@@ -169,7 +175,7 @@ _ALWAYS_ACTIVE = Kind(
     phases=PHASES,
     events=(CLOSES, OPENS),
     memory=("held",),
-    **named(prepare, variant, check),
+    **named(prepare, variant, check, lower_limits),
     sample=samples,
     **rigid(BALL),
     **observed_rigid(BALL),

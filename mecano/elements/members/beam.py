@@ -25,7 +25,7 @@ from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.triads import hat, unit
 from mecano.element_interface import POWERS, Display, Kind, Output, named, record
-from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
+from mecano.elements.members.beam_checks import check, check_mesh, limits, start_warnings
 from mecano.elements.members.beam_elastic import (
     add_elastic,
     bent_line,
@@ -242,7 +242,7 @@ BEAM = Kind(
     flexible=True,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     by_lanes=True,
-    **named(variant, prepare, divide, check, start_warnings, force, observe, sample),
+    **named(variant, prepare, divide, check, start_warnings, limits, force, observe, sample),
 )  # fmt: skip
 HEATED_BEAM = replace(
     BEAM,

@@ -15,6 +15,7 @@ MOST_ELEMENTS = 10_000
 check_mesh = requirement(lambda n: 1 <= n <= MOST_ELEMENTS, f"must be 1 to {MOST_ELEMENTS}")
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
+LARGE = 0.1  # strain: metals yield at 0.2 to 1 %, fibre composites break at 2 %
 STOUT = 0.5  # length over radius of gyration: above 1 for a beam, a thousandth of that if the section is given in mm
 
 
@@ -44,6 +45,15 @@ def start_warnings(d, nodes):
     """Return warnings about a beam that is too thick, or too slender for its numbers or for its elements."""
     slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
     return [*_stout(slenderness), *_inaccurate(d, slenderness), *_hanging(d, nodes)]
+
+
+def limits(d):
+    """Return the largest normal stress or, of a section without a modulus, strain, at which it is large."""
+    section = constants(d["section"])
+    text = f"strains above {100.0 * LARGE:g} % are beyond its linear law: are the section and the loads in SI units?"
+    if not section.E:
+        return [("strain", LARGE, text)]
+    return [("normal_stress", LARGE * section.E, f"{text} (E = {section.E:g} Pa)")]
 
 
 def _stout(slenderness):

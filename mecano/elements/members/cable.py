@@ -43,6 +43,7 @@ from mecano.constraints.elastic_line import (
     STRAINS,
     add_line_inertia,
     add_strain_energy,
+    axial_stiffness,
     line_inertia,
     line_record,
     prestrain,
@@ -65,6 +66,7 @@ from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 INPUT = 6  # local index of a natural length that is a signal
+STRETCHED = 0.5  # strain
 
 
 @kernel
@@ -253,6 +255,12 @@ OUTPUTS = (
 )
 
 
+def upper_limits(d):
+    """Return the tension that stretches a line by half of its length, as it does none but rubber."""
+    text = f"that strains it by more than {100.0 * STRETCHED:g} %, as only rubber: are stiffness and loads in SI units?"
+    return [("tension", STRETCHED * axial_stiffness(d), text)]
+
+
 def _of_length(kind, functions):
     """Return the ``kind`` with these ``functions`` of its natural length, a law of time or a formula of signals."""
     return on_demand(kind, functions, "natural_length", INPUT, _of_time, with_rate)
@@ -269,6 +277,7 @@ _BAR = Kind(
     outputs=OUTPUTS,
     prepare=line_record,
     check=check,
+    upper_limits=upper_limits,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     inertia=line_inertia,
     measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},

@@ -14,6 +14,7 @@ from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import elastic_energy, elastic_force
+from mecano.laws.probe import table_limits
 from mecano.maths.dual import at_least, select, value
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, norm
@@ -108,9 +109,11 @@ def deepest(law):
 
 
 def range_of_law(d):
-    """Return the ``limits`` of a wheel: the range of its radial law."""
+    """Return the ``limits`` of a wheel: the range of its radial law, or where a table of it ends."""
     valid = d["tire_law"]["valid_deformation"]
-    return [] if valid is None else [("deformation", valid, f"the radial law is valid up to {valid:g} m only")]
+    if valid is None:
+        return table_limits("deformation", d["tire_law"]["radial"], "the radial force")[0]
+    return [("deformation", valid, f"the radial law is valid up to {valid:g} m only")]
 
 
 def large_wheel(rng, profile, eps, friction, by_speed, lateral):
