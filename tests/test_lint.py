@@ -565,3 +565,32 @@ def test_a_law_that_pushes_away_from_the_latch(law, more, warned):
     found = [w.message for w in deck(LATCH.replace("LAW", law).replace("MORE", more)).warnings]
     assert len(found) == warned
     assert not warned or "'turning_law' pushes it away from its latch at the start; is a sign wrong" in found[0]
+
+
+@pytest.mark.parametrize(
+    ("motion", "said"),
+    [
+        ("{ramp: {start: 0.2, end: 0.4, from: 0, to: 1}}", "has a rate that jumps by 5 m/s at 0.2 s: a shock"),
+        ("{ramp: {start: 0, end: 0.4, from: 0, to: 1}}", "has a rate that jumps by -2.5 m/s at 0.4 s: a shock"),
+        ("{table: {points: [[0, 0], [0.2, 0.5]]}}", "has a rate that jumps by -2.5 m/s at 0.2 s: a shock"),
+        ("{table: {points: [[0, 0], [1, 0.5]]}}", ""),  # up to the end of the run
+        ("{table: {points: [[0, 0], [0.2, 0.5], [0.4, 0.5], [0.6, 0.8]], beyond: extend}}", ""),
+        ("{step: {time: 0.2, from: 0, to: 0.5, rise: 0}}", "jumps by 0.5 m at 0.2 s: no force moves"),
+        ("{step: {time: 0.2, from: 0, to: 0.5, rise: 0.1}}", ""),
+        ("0.1*time**2", ""),
+    ],
+)
+def test_prescribed_motions_that_jump(motion, said):
+    """At corners of laws within the run; the same for an axis of a generic joint."""
+    start = """
+        mecano: 1
+        gravity: none
+        time: {end: 1, step: 0.01}
+        nodes: {b: {position: [1, 0, 0]}}
+        elements: {weight: {type: rigid_body, node: b, mass: 2, inertia: [1, 1, 1]}}
+    """
+    node = "type: prescribed_position, node: b, direction: [1, 0, 0], value"
+    axis = "type: generic, nodes: [ground, b], axis: [1, 0, 0], driven: {along_axis"
+    for joint, path, end in ((node, "value", ""), (axis, "driven.along_axis", "}")):
+        found = warned(f"{start}    joints: {{push: {{{joint}: {motion}{end}}}}}\n")
+        assert [f"'push': '{path}' {said}" in one for one in found if "'push'" in one] == [True] * bool(said)

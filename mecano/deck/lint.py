@@ -2,8 +2,8 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-joints that bind; loads on fixed nodes; laws of time that the steps do not sample; triggers outside of a run; unused
-entries.
+joints that bind; loads on fixed nodes; laws of time that the steps do not sample; motions that jump; triggers outside
+of a run; unused entries.
 """
 
 import math
@@ -15,7 +15,7 @@ from mecano.deck.large_frictions import large_frictions
 from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
-from mecano.element_interface import SECTIONS, Kind
+from mecano.element_interface import SECTIONS, Kind, nothing
 from mecano.errors import Problem, name_list
 from mecano.model.mesh import divides, inner_names
 
@@ -62,7 +62,7 @@ def suspicious(
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
-        *_partly_moving(values, kinds),
+        *_partly_moving(values, kinds), *_motions(values, kinds),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
@@ -177,6 +177,14 @@ def _joints(values, kinds):
         from mecano.deck.bound_joints import binding_joints
 
         yield from binding_joints(values, kinds)
+
+
+def _motions(values, kinds):
+    """Yield (path, text) on prescribed motions that jump; most decks prescribe none."""
+    if any(kinds[d["type"]].drives is not nothing or d.get("driven") for d in values["joints"].values()):
+        from mecano.deck.jumping_motions import jumping_motions
+
+        yield from jumping_motions(values, kinds)
 
 
 def _degrees(values, kinds):
