@@ -89,6 +89,14 @@ def test_small_motions_about_rest_are_damped_by_the_mean_of_both_orifices(rate, 
     [
         ("elements.strut.second_gas.pressure=1 MPa", "higher than 'gas.pressure'"),
         ("elements.strut.oil.rebound_orifice=0", "'oil.rebound_orifice' must have areas greater than zero"),
+        (
+            "elements.strut.oil.orifice={table: {points: [[0, 1.3e-4], [0.1, 1.0e-4], [0.3, 0]]}}",
+            "'oil.orifice' must have areas greater than zero",
+        ),
+        (
+            "elements.strut.extended_length=800",
+            "it starts at a stroke of 799.199 m, .* all gas is used up at 0.4 m",
+        ),
         ("elements.strut.gas.volume=0", "must be greater than zero"),
         ("nodes.airframe.position=[0, 0, 0.3]", "same place"),
     ],
@@ -113,6 +121,8 @@ def test_what_is_refused(change, text):
         ("elements.strut.oil.orifice=1.0e-4", ""),
         ("elements.strut.oil.area=0.4", "'oil.area' is 0.4 m2 and 'gas.area' 0.004 m2: the same piston displaces oil"),
         ("elements.strut.oil.discharge_coefficient=0.8", ""),
+        ("elements.strut.gas.exponent=12", "'gas.exponent' is 12: it lies between 1, isothermal, and 1.67"),
+        ("elements.strut.second_gas.exponent=0.9", "'second_gas.exponent' is 0.9: it lies between 1, isothermal"),
     ],
 )  # fmt: skip
 def test_what_is_suspicious(change, text):

@@ -47,6 +47,8 @@ OIL = 6  # local unknown: compression c of the oil [m], measured along the strok
 LEAST_COMPRESSION = 0.1  # share of the gas volume that a full stroke displaces; two thirds or more in landing gears
 LONGEST_STROKE = 10.0  # times the length of the strut
 UNLIKE = 20.0  # ratio of the areas by which a piston displaces oil and gas
+CLOSED = 1e-9  # of the largest area of an orifice: less is the rounding of a curve that ends at zero
+LARGEST_EXPONENT = 5.0 / 3.0  # adiabatic exponent of a monatomic gas; nitrogen at 100 bar has 1.6
 LONGER = 0.01  # of the extended length: beyond it the deformation of a stop is improbable
 FREE_SEALS = {"coefficient": 0.0, "regularization": 1.0}
 RECORD = record(
@@ -137,12 +139,31 @@ def check(d, nodes):
     texts, gas, second = check_apart(d, nodes), d["gas"], d["second_gas"]
     if second is not None and second["pressure"] <= gas["pressure"]:
         texts.append("'second_gas.pressure' must be higher than 'gas.pressure': its separator opens under compression")
-    return texts + [text for name in ("orifice", "rebound_orifice") for text in _closed(name, d["oil"][name])]
+    texts += [text for name in ("orifice", "rebound_orifice") for text in _closed(name, d["oil"][name])]
+    return texts or _used_up(d, nodes)
+
+
+def _used_up(d, nodes):
+    """Return an error if the strut starts at a stroke at which all gas is used up."""
+    stroke = extended(d, nodes) - distance(nodes)
+    if stroke < (last := _last_stroke(d)):
+        return []
+    return [
+        f"it starts at a stroke of {stroke:g} m, 'extended_length' less the distance of its nodes; all gas is used up "
+        f"at {last:g} m (volume over area)"
+    ]
+
+
+def _last_stroke(d):
+    """Return the stroke [m] at which all gas is used up: the volume over the area."""
+    gas, second = d["gas"], d["second_gas"]
+    return (gas["volume"] + (0.0 if second is None else second["volume"])) / gas["area"]
 
 
 def _closed(name, area):
     """Return a text if an orifice is closed at zero stroke or a corner of its curve."""
-    return [f"'oil.{name}' must have areas greater than zero"] if min(_areas(area), default=1.0) <= 0.0 else []
+    areas = _areas(area) or [1.0]
+    return [f"'oil.{name}' must have areas greater than zero"] if min(areas) <= CLOSED * max(areas) else []
 
 
 def _areas(area):
@@ -159,7 +180,14 @@ def start_warnings(d, nodes):
     """Return warnings about the gas, a strut that starts beyond its full extension, stops and orifices."""
     full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
     beyond = _beyond(d["oil"], length if full is None else full)
-    return [*_overextended(full, length), *_weak_gas(d["gas"]), *_reversed_stops(d["law"]), *beyond, *_unlike_sizes(d)]
+    return [
+        *_overextended(full, length),
+        *_weak_gas(d["gas"]),
+        *_exponents(d),
+        *_reversed_stops(d["law"]),
+        *beyond,
+        *_unlike_sizes(d),
+    ]
 
 
 def _overextended(full, length):
@@ -180,10 +208,17 @@ def _weak_gas(gas):
         )
 
 
+def _exponents(d):
+    """Yield texts on exponents that no gas has."""
+    for name in ("gas", "second_gas"):
+        n = (d[name] or {}).get("exponent")
+        if n is not None and not 1.0 <= n <= LARGEST_EXPONENT:
+            yield f"'{name}.exponent' is {n:g}: it lies between 1, isothermal, and 1.67, adiabatic, for all gases"
+
+
 def _unlike_sizes(d):
     """Yield texts on volumes and areas that do not suit the stroke or one another."""
-    gas, second, oil = d["gas"], d["second_gas"], d["oil"]
-    used_up = (gas["volume"] + (0.0 if second is None else second["volume"])) / gas["area"]
+    gas, oil, used_up = d["gas"], d["oil"], _last_stroke(d)
     stroke = min((-values["lower"] for term, values in d["law"] or () if term == "stop"), default=0.0)
     if used_up <= stroke < FAR:
         yield (
