@@ -109,6 +109,11 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
         ("hoist", "elements.wire.E=5000", "bar 'wire': 'E' is 5000 Pa, softer than rubber; is it intended, or in MPa?"),
         ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load has no effect"),
         ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
+        (
+            "flexible_pendulum",
+            "sections.rubber={type: circle, diameter: 0.02, E: 210 GPa, nu: 0.3, density: 7.85}",
+            "section 'rubber': sound travels through it at 164 km/s, through diamond at 18; is 'density' in g/cm3",
+        ),
         ("pendulum", "gravity=[0, 0, -9810]", "'gravity' is 9810 m/s2; on Earth it is 9.81"),
         ("pendulum", "gravity=[0, 0, -981]", "'gravity' is 981 m/s2"),
         ("pendulum", "gravity=[0, -32.17, 0]", "'gravity' is 32.17 m/s2"),
@@ -212,6 +217,14 @@ def test_beams_that_the_assembly_stretches():
     whole = HEAD.partition("      rope")[0] + BEAM
     (said,) = warned(whole)
     assert said.startswith(f"{at(whole, 'line: ')}beam 'line' is strained by 1 %")
+
+
+@pytest.mark.parametrize(("width", "said"), [(30, "it is 1 m long and 30 m wide: are the dimensions"), (0.3, "")])
+def test_beams_much_wider_than_long(width, said):
+    section = f"rod: {{type: rectangle, width: {width}, height: 3 mm, E: 70 GPa, nu: 0.3, density: 2700}}"
+    whole = HEAD.partition("      rope")[0] + "      line: {type: beam, nodes: [a, b], section: rod, up: [0, 0, 1]}\n"
+    found = warned(f"{whole}    sections: {{{section}}}\n")
+    assert found == [] if not said else f"beam 'line': {said}" in found[0]
 
 
 BEAM = """      line: {type: beam, nodes: [a, b], section: rod, mesh: 2}

@@ -39,6 +39,7 @@ MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one mean
 }
 
 
+FASTEST = 3e4  # m/s, speed of waves along a rod
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
 LocatedWarning: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, text of the warning
@@ -231,6 +232,10 @@ def _materials(values):
                 title = f"section '{name}'" if section == "sections" else f"{d['type']} '{name}'"
                 text = f"{title}: '{field}' is {number:g} {unit}, {what}; is it intended, or in {other}?"
                 yield (section, name, field), text
+        E, density = d.get("E") or 0.0, d.get("density") or 0.0
+        if density >= MATERIALS["density"][1] and (speed := math.sqrt(E / density)) > FASTEST:
+            text = f"section '{name}': sound travels through it at {1e-3 * speed:.3g} km/s, through diamond at 18"
+            yield (section, name, "density"), f"{text}; is 'density' in g/cm3, or 'E' not in Pa?"
 
 
 def _tires(tire_laws):

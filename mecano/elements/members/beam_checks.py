@@ -16,6 +16,7 @@ check_mesh = requirement(lambda n: 1 <= n <= MOST_ELEMENTS, f"must be 1 to {MOST
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
 LARGE = 0.1  # strain: metals yield at 0.2 to 1 %, fibre composites break at 2 %
+WIDE = 0.15  # length over width, as STOUT of a rectangle
 STOUT = 0.5  # length over radius of gyration: above 1 for a beam, a thousandth of that if the section is given in mm
 
 
@@ -43,8 +44,10 @@ def _too_slender(d, nodes, section):
 
 def start_warnings(d, nodes):
     """Return warnings about a beam that is too thick, or too slender for its numbers or for its elements."""
-    slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
-    return [*_stout(slenderness), *_inaccurate(d, slenderness), *_hanging(d, nodes)]
+    section, ends = constants(d["section"]), [node.x for node in nodes]
+    slenderness = _slenderness(section, *ends)
+    stout = _stout(slenderness) or _wide(section, norm(np.subtract(*ends)))
+    return [*stout, *_inaccurate(d, slenderness), *_hanging(d, nodes)]
 
 
 def limits(d):
@@ -61,6 +64,14 @@ def _stout(slenderness):
     if slenderness >= STOUT:
         return []
     return [f"it is {slenderness:.2g} radii of gyration of its section long: are the dimensions of the 'section' in m?"]
+
+
+def _wide(section, length):
+    """Return a warning about a beam much shorter than its section is wide, by its outermost fibres."""
+    width = 2.0 * float(np.abs(section.points).max(initial=0.0))
+    if length >= WIDE * width:
+        return []
+    return [f"it is {length:.3g} m long and {width:.3g} m wide: are the dimensions of the 'section' in m?"]
 
 
 def _hanging(d, nodes):
