@@ -607,3 +607,55 @@ def test_prescribed_motions_that_jump(motion, said):
     for joint, path, end in ((node, "value", ""), (axis, "driven.along_axis", "}")):
         found = warned(f"{start}    joints: {{push: {{{joint}: {motion}{end}}}}}\n")
         assert [f"'push': '{path}' {said}" in one for one in found if "'push'" in one] == [True] * bool(said)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("elements.upper.center_of_mass=[5.4, 0, 3]", "its centre of mass is 6.18 m from all nodes"),
+        ("elements.upper.center_of_mass=[5.4, 0, 3]", "is [0, -0.4, 0] meant?"),
+        ("elements.upper.center_of_mass=[0, -400, 0]", "in the axes of that: is it in m?"),
+        ("elements.upper.center_of_mass=[0, -0.4, 0]", ""),
+        ("elements.lower.center_of_mass=[0.8, 0, 0]", ""),  # a last link may be longer than all others
+        ("elements.lower.attached=[elbow]", "node 'elbow' is attached to 'upper', too, which welds both together"),
+    ],
+)
+def test_misplaced_bodies(override, said):
+    """The upper body has its y axis against x; [5.4, 0, 3] turned so is (5.4^2 + 3^2)^(1/2) m from the nodes."""
+    base = deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes:
+          pin: {position: [5, 0, 3], orientation: [0, 0, 90 deg]}
+          elbow: {position: [6, 0, 3]}
+          arm: {position: [6, 0, 3]}
+        elements:
+          upper: {type: rigid_body, node: pin, mass: 1, inertia: [1, 1, 1], attached: [elbow]}
+          lower: {type: rigid_body, node: arm, mass: 1, inertia: [1, 1, 1]}
+        joints:
+          shoulder: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}
+          elbow: {type: hinge, nodes: [elbow, arm], axis: [0, 1, 0]}
+        time: {end: 1, step: 0.01}
+        """)
+    found = [one.message for one in deck_of_bytes(base.text.encode(), "test.yaml", overrides=[override]).warnings]
+    assert len(found) == bool(said) and all(said in one for one in found)
+
+
+SIZE = (
+    "friction: 0.5, slip_regularization: 0.1, "
+    "smiley_horne: {diameter: 820 mm, width: 245 mm, pressure: 9.5 bar, rated_pressure: 10 bar"
+)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("tire_laws.rubber.radial_damping=80", "'radial_damping' multiplies the radial force by 81 at 1 m/s"),
+        ("tire_laws.rubber.radial_damping=0.5", ""),
+        (f"tire_laws.rubber={{{SIZE}, load: 48}}}}", "'smiley_horne.load' of 48 N deflects the tyre by 0.00013 of its"),
+        (f"tire_laws.rubber={{{SIZE}, load: 48 kN}}}}", ""),
+    ],
+)
+def test_tyres_in_other_units(override, said):
+    found = [one.message for one in input_deck("wheel_drop", override).warnings]
+    assert found == [] if not said else found[0].startswith(f"tire law 'rubber': {said}")

@@ -15,8 +15,9 @@ from mecano.deck.large_frictions import large_frictions
 from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
-from mecano.element_interface import SECTIONS, Kind, nothing
+from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Problem, name_list
+from mecano.laws.table import breakpoints
 from mecano.model.mesh import divides, inner_names
 
 if TYPE_CHECKING:
@@ -39,6 +40,8 @@ MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one mean
 }
 
 
+LARGEST_DAMPING = 10.0  # s/m, of a tyre
+LEAST_DEFLECTION = 0.01  # of the diameter of a tyre under its load
 FASTEST = 3e4  # m/s, speed of waves along a rod
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
@@ -63,7 +66,7 @@ def suspicious(
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
-        *_partly_moving(values, kinds), *_motions(values, kinds),
+        *_partly_moving(values, kinds), *_motions(values, kinds), *_bodies(values),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
@@ -180,9 +183,24 @@ def _joints(values, kinds):
         yield from binding_joints(values, kinds)
 
 
+def _bodies(values):
+    """Yield (path, text) on bodies that are misplaced; few have a centre of mass as far away as any two nodes."""
+    along = list(zip(*(node["position"] for node in values["nodes"].values()), strict=True))
+    size = math.dist([min(x) for x in along], [max(x) for x in along])
+    bodies = values["elements"].values()
+    attached = [node for d in bodies for node in d.get("attached") or ()]
+    far = size > 0.0 and any(math.hypot(*d.get("center_of_mass", ())) > size for d in bodies)
+    if far or len(set(attached)) < len(attached):
+        from mecano.deck.misplaced_bodies import misplaced_bodies
+
+        yield from misplaced_bodies(values)
+
+
 def _motions(values, kinds):
-    """Yield (path, text) on prescribed motions that jump; most decks prescribe none."""
-    if any(kinds[d["type"]].drives is not nothing or d.get("driven") for d in values["joints"].values()):
+    """Yield (path, text) on prescribed motions that jump; most decks prescribe none, or smooth ones."""
+    joints = values["joints"].values()
+    laws = [law for d in joints for law in (*kinds[d["type"]].drives(d), *(d.get("driven") or {}).values())]
+    if any(breakpoints(law) for law in laws if isinstance(law, tuple)):
         from mecano.deck.jumping_motions import jumping_motions
 
         yield from jumping_motions(values, kinds)
@@ -239,13 +257,27 @@ def _materials(values):
 
 
 def _tires(tire_laws):
-    """Yield (path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
-    for name, lateral in [(name, d["lateral"]) for name, d in tire_laws.items() if d.get("lateral")]:
-        from mecano.elements.wheels.lateral_law import runaway  # few decks have such a law
+    """Yield (path, text) on tyre laws: unbounded rates of a sliding patch, loads and dampings in other units."""
+    for name, d in tire_laws.items():
+        if d.get("lateral"):
+            from mecano.elements.wheels.lateral_law import runaway  # few decks have such a law
 
-        if found := runaway(lateral):
-            field, text = found
-            yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
+            if found := runaway(d["lateral"]):
+                field, text = found
+                yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
+        for path, text in _in_other_units(d):
+            yield ("tire_laws", name, *path), f"tire law '{name}': {text}"
+
+
+def _in_other_units(d):
+    """Yield (path, text) on the numbers of a tyre law that no tyre has."""
+    if (damping := d["radial_damping"]) > LARGEST_DAMPING:
+        text = f"'radial_damping' multiplies the radial force by {1.0 + damping:.3g} at 1 m/s; a tyre has some 0.1 s/m"
+        yield ("radial_damping",), text
+    if (size := d.get("smiley_horne")) and size["deflection"] < LEAST_DEFLECTION * size["diameter"]:
+        share = size["deflection"] / size["diameter"]
+        text = f"'smiley_horne.load' of {size['load']:g} N deflects the tyre by {share:.2g} of its diameter"
+        yield ("smiley_horne", "load"), f"{text}; the usual load by 0.05 to 0.1: is it in N?"
 
 
 def _loads_without_effect(loads, nodes):
