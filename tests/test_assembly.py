@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck, in_python, input_deck
 
+import mecano
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.errors import AssemblyError
 from mecano.model.system import System
@@ -46,6 +47,43 @@ def test_what_cannot_be_met_is_refused_by_name():
     assert "rigid_rod 'right' is most off, by 480 mm" in str(refusal.value)  # 2.5 m - 1.02 m - 1 m
     assert re.search("50 iterations from there moved nodes by up to .* mm, and at best leave", str(refusal.value))
     assert refusal.value.exit_code == 4
+
+
+def test_axes_at_a_right_angle_are_off_by_it():
+    """Not by the sine of it; with the place of the joint in the deck. The assembly is at a maximum of the error."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1], axis_b: [0, 1, 0]}}
+        time: {end: 1.0, step: 0.01}
+    """
+    with pytest.raises(AssemblyError) as refusal:
+        prepare(deck(text))
+    said = str(refusal.value)
+    assert "as given, hinge 'pin' is most off, by 90 deg" in said and said.endswith("hinge 'pin' is at test.yaml:6:10")
+
+
+MOTORS = """mecano: 1
+gravity: none
+nodes: {a: {position: [0, 0, 0]}}
+elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+joints:
+  pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}
+  slow: {type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: 1*time}
+  fast: {type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: 2*time}
+time: {end: 1.0, step: 0.01}
+"""
+
+
+def test_motions_that_contradict_one_another_have_places(tmp_path):
+    path = tmp_path / "motors.yaml"
+    path.write_text(MOTORS)
+    with pytest.raises(AssemblyError, match="contradict") as refusal:
+        mecano.run(path, tmp_path / "motors.h5", quiet=True)
+    for i, name in enumerate(("slow", "fast")):
+        assert f"prescribed_angle '{name}' is at {path}:{7 + i}:3" in str(refusal.value)
 
 
 def test_a_hinge_closed_the_wrong_way_round_is_refused():

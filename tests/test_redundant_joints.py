@@ -186,8 +186,9 @@ def test_what_cannot_be_met_together_is_named():
     text += joints(apart="rigid_rod far,side")
     with pytest.raises(AssemblyError) as error:
         prepare(deck(HEAD + text))
-    last = str(error.value).splitlines()[-1]
-    assert last == "  taking part: rigid_rod 'short', spherical 't'"
+    taking_part, *places = str(error.value).splitlines()[-3:]
+    assert taking_part == "  taking part: rigid_rod 'short', spherical 't'"
+    assert [place.partition(" is at")[0] for place in places] == ["rigid_rod 'short'", "spherical 't'"]
 
 
 def test_a_shaft_between_two_cardan_joints_turns_through_positions_without_forces():

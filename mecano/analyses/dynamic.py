@@ -21,7 +21,7 @@ from mecano.analyses.diagnostics import (
     waiting_warnings,
     wrap_warnings,
 )
-from mecano.analyses.failure_text import failure_text, locating_formulas
+from mecano.analyses.failure_text import failure_text, locating
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.initial_velocities import set_in_motion
 from mecano.analyses.prepare import chosen_values, integrator_of, mass_of, model_facts, prepare, startup_warnings
@@ -126,10 +126,10 @@ def _announce_warnings(prepared, supervision):
 def _from_the_start(deck, path, force, supervision):
     """Yield an Ongoing run from its initial state; the caller holds the lock of the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
-    with locating_formulas(deck), _announce_warnings(prepared, supervision):
+    with locating(deck), _announce_warnings(prepared, supervision):
         found = call_interruptibly(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
-    with locating_formulas(deck):
+    with locating(deck):
         start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])
     notes = [*startup_warnings(prepared, start), *found, *_unstable_control(prepared, start)]
     automatic, model = chosen_values(prepared, integrator, start), model_facts(prepared)

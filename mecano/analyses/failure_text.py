@@ -1,5 +1,6 @@
 """Messages of failed analyses, with remedies for the elements that failed and the places of their formulas."""
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -7,22 +8,37 @@ from typing import TYPE_CHECKING
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
-from mecano.errors import MecanoError, NonFiniteError, name_list
+from mecano.errors import AssemblyError, MecanoError, NonFiniteError, name_list
 from mecano.model.model import title_of
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
 
-MOST_NAMES = 4  # elements named with the same remedies
+MOST_NAMES = 4  # elements named with the same remedies, or with their places
 
 
 @contextmanager
-def locating_formulas(deck: "Deck") -> Iterator[None]:
-    """Add to a NonFiniteError the places of the formulas that failed."""
+def locating(deck: "Deck") -> Iterator[None]:
+    """Add to a NonFiniteError the places of the formulas that failed, to an AssemblyError those of what it names."""
     try:
         yield
     except NonFiniteError as error:
         raise NonFiniteError(failure_text(error, deck, ())) from error
+    except AssemblyError as error:
+        text = "\n".join([str(error), *_places(str(error), deck)])
+        raise AssemblyError(text, error.failure, error.timed) from error
+
+
+def _places(text, deck):
+    """Yield the places in the deck of the first elements, joints and others that a text without places names."""
+    if f"{deck.file}:" in text:
+        return
+    titled = {name: (section, d["type"]) for section in SECTIONS for name, d in deck.values[section].items()}
+    named = [name for name in dict.fromkeys(re.findall(r"'([\w-]+)'", text)) if name in titled]
+    for name in named[:MOST_NAMES]:
+        section, kind = titled[name]
+        if mark := deck.mark(section, name):
+            yield f"{title_of(kind, name)} is at {mark}"
 
 
 def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:

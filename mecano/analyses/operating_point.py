@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.analyses.equilibria import follow
-from mecano.analyses.failure_text import locating_formulas
+from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
@@ -43,7 +43,7 @@ def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) 
     The state is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the
     run. ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
-    with locating_formulas(deck):
+    with locating(deck):
         return _operating_point(deck, at, at_rest)
 
 

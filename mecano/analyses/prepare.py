@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.carry_over import carried_over
+from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_velocities import changed_velocities
 from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks
@@ -82,7 +83,8 @@ def prepare(deck: "Deck", compile_ahead: Callable[[System], object] = lambda sys
     ``compile_ahead(system)`` may compile code that is needed later. The call can be interrupted by a signal. Raises
     AssemblyError, and DeckError for a model without degrees of freedom.
     """
-    return call_interruptibly(_prepare, deck, compile_ahead)
+    with locating(deck):
+        return call_interruptibly(_prepare, deck, compile_ahead)
 
 
 def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepared:

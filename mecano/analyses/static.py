@@ -7,7 +7,7 @@ import numpy as np
 
 from mecano.analyses.diagnostics import limit_warnings
 from mecano.analyses.equilibria import follow
-from mecano.analyses.failure_text import locating_formulas
+from mecano.analyses.failure_text import locating
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
@@ -154,7 +154,7 @@ def _follow(
         for text in notes:
             announce(text)
         recorder.writer = writer
-        with locating_formulas(deck):
+        with locating(deck):
             result = follow(prepared, (recorder, *observers))
         where = f"{axis.path.replace('_', ' ')} {{:.4g}} {axis.unit}".rstrip()
         limits = limit_warnings(deck, recorder.sampler, writer.extremes, recorder.places, where)

@@ -32,6 +32,9 @@ LEVEL_AXIS = hold_kind(
     LEVEL, "moment that keeps the axis level",
 )  # fmt: skip
 
+SINES = {HELD[1][3], LEVEL_AXIS.multipliers[0].name}
+"""What the multipliers are called whose constraints are the sine of the angle by which an axis leans."""
+
 DRIVEN = (
     ("relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"),
     ("distance", "Distance of two nodes: it is f(t).", LENGTH, "force that pushes the nodes apart"),

@@ -271,7 +271,7 @@ def _tires(tire_laws):
 
 def _in_other_units(d):
     """Yield (path, text) on the numbers of a tyre law that no tyre has."""
-    if (damping := d["radial_damping"]) > LARGEST_DAMPING:
+    if (damping := d.get("radial_damping", 0.0)) > LARGEST_DAMPING:
         text = f"'radial_damping' multiplies the radial force by {1.0 + damping:.3g} at 1 m/s; a tyre has some 0.1 s/m"
         yield ("radial_damping",), text
     if (size := d.get("smiley_horne")) and size["deflection"] < LEAST_DEFLECTION * size["diameter"]:

@@ -109,9 +109,14 @@ def most_off(system: "System", s: "State", length: float) -> str:
 
 def _size(system, i, phi):
     """Return the magnitude of ``phi[i]``, of ``phi`` (n_l,) [m, rad], as text with its unit."""
-    if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT:
+    from mecano.constraints.of_coordinates import SINES  # few runs describe a constraint
+
+    number = system.n_q + i
+    if system.numbering.kind[number] == LENGTH_CONSTRAINT:
         return _length(phi[i])
-    return f"{np.degrees(abs(phi[i])):.3g} deg"
+    size = abs(phi[i])
+    angle = np.arcsin(min(size, 1.0)) if system.numbering.name[number].what in SINES else size
+    return f"{np.degrees(angle):.3g} deg"
 
 
 def _length(value):
