@@ -24,10 +24,10 @@ from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.run_size import result_bytes, saved_times, steps
 from mecano.jit import machine_code
+from mecano.model.extent import length_scale
 from mecano.post.info import info as info_of
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
-from mecano.solve.diagnostics.scales import length_scale
 
 WARNINGS = {  # deck: overrides, what is said at the start
     "four_bar": (

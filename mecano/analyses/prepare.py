@@ -15,6 +15,7 @@ from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.deck.short_bumps import turn_over_bumps
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
+from mecano.model.extent import length_scale
 from mecano.model.model import title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
@@ -22,7 +23,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Group, analyse
-from mecano.solve.diagnostics.scales import Tolerances, length_scale
+from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha

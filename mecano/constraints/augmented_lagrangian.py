@@ -8,10 +8,16 @@ equations (12)-(14) of Cardona, Geradin & Doan 1991):
 """
 
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.element_interface import named
+from mecano.element_interface import Place, named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import add_col, add_mat, add_row, outer
+
+
+@kernel
+def times_penalty(at, factor):
+    """Return the Place with the penalty times a factor: the loops see to it where all constraints are on angles."""
+    return Place(at.t, at.phase, at.k, at.penalty * factor, at.laws, at.m, at.q, at.v, at.a, at.R)
 
 
 @kernel

@@ -15,8 +15,8 @@ it is coupled (``coupled_multipliers``). All compiled functions work on ONE elem
 to ``f`` (n_local,), for numbers and for Duals (maths/dual.py), from which its tangents are derived. Branches on varying
 quantities are written with ``select``, roots of equations with ``implicit``. Rotations are varied in the material
 frame, dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi with the gradient B adds
-B^T (penalty Phi - k lambda) and the row -k Phi. A kind with multipliers has no other stiffness or damping: that of a
-joint is a separate part.
+B^T (penalty Phi - k lambda) and the row -k Phi. The penalty of a kind whose constraints are all on angles is in N m. A
+kind with multipliers has no other stiffness or damping: that of a joint is a separate part.
 
 ``inertia(p, at, m)``, if the kind has inertia, writes the diagonal of the mass matrix M to ``m`` (n_local,), zero on
 entry: times the accelerations, it is part of the scale against which residuals are judged.

@@ -81,6 +81,7 @@ class Context:
     gravity: np.ndarray  # (3,) [m/s2]
     kinds: Mapping[str, "Kind"] = field(default_factory=dict)
     """kinds of the model by name, for loads along coordinates of another one"""
+    length: float = 1.0  # length scale of the model [m]
 
 
 @immutable(kw_only=True, init=False)
@@ -208,6 +209,11 @@ class Mechanics:
     def of_rates(self) -> bool:
         """True if its constraints are on velocities."""
         return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
+
+    @property
+    def of_angles(self) -> bool:
+        """True if all of its constraints are on angles."""
+        return bool(self.multipliers) and all(row.constraint_unit == "rad" for row in self.multipliers)
 
     @property
     def first_reaction(self) -> int:

@@ -44,6 +44,7 @@ class Batch:
     columns: np.ndarray  # (n_rotations,) first local column of each rotation
     multipliers: np.ndarray  # (n, n_multipliers) indices of the constraints
     instances: list[int]  # (n,) indices into the list of all instances
+    penalty_factor: float  # on the penalty of constraints: 1, or for angles the square of the length scale [m2]
     first_phase: int  # index into the phases of a state
     first_memory: int  # index into the memory of a state
     first_output: int  # index into the outputs of the system
@@ -133,6 +134,7 @@ class Batch:
             "n_outputs": self.n_outputs, "n_phases": len(self.idle), "n_events": self.n_events,
             "n_memory": len(self.kind.memory), "first_phase": self.first_phase, "first_memory": self.first_memory,
             "first_output": self.first_output, "first_event": self.first_event, "first_element": 0,
+            "penalty_factor": self.penalty_factor,
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
@@ -169,9 +171,9 @@ def calling(records: np.ndarray, calls: "Calls") -> np.ndarray:
 
 
 def batches(
-    instances: "Sequence[Instance]", of: "Numbering", n_slots: int, partition: "ReactionPartition"
+    instances: "Sequence[Instance]", of: "Numbering", n_slots: int, partition: "ReactionPartition", length: float
 ) -> list[Batch]:
-    """Return the batches in the order in which their kinds first appear."""
+    """Return the batches in the order in which their kinds first appear; ``length`` [m] is the length scale."""
     places = _Places(of, n_slots)
     taken = [places.take(item.kind) for item in instances]
     groups: dict[tuple[int, int], list[tuple]] = {}  # by kind, and number of multipliers of parts
@@ -188,7 +190,7 @@ def batches(
         groups.setdefault((id(item.kind), output_dofs), []).append(member)
     found, begins = [], (0, 0, 0, 0)
     for members in groups.values():
-        found.append(_batch(members, of, places, partition, begins))
+        found.append(_batch(members, of, places, partition, begins, length))
         begins = found[-1].ends
     return found
 
@@ -228,7 +230,7 @@ class _Places:
         return scalars, rows
 
 
-def _batch(members, of, places, partition, begins):
+def _batch(members, of, places, partition, begins, length):
     kind, n = members[0][1].kind, len(members)
     numbers = [number for number, *_ in members]
     layout = [(slot[0], int(slot[1:])) for slot in kind.layout]
@@ -250,7 +252,7 @@ def _batch(members, of, places, partition, begins):
         np.hstack([*of_nodes, own]), np.ascontiguousarray(of.rotation[nodes[:, rotations]]),
         np.hstack([*plain, places.first_slot + own - places.first_scalar]),
         np.hstack([*of_nodes, own, *parts]), output_slots, np.array([3 * j for j in rotations], np.int64),
-        multipliers, numbers, *begins,
+        multipliers, numbers, length * length if kind.of_angles else 1.0, *begins,
     )  # fmt: skip
 
 

@@ -97,11 +97,17 @@ def lag_of(b, s):
 
 
 @kernel
+def penalty_of(b, s, lag):
+    """Return the penalty of the constraints of a batch; ``lag`` multiplies it."""
+    return s.penalty * lag * b.penalty_factor
+
+
+@kernel
 def place(b, s, lag):
     """Return the Place of a gathered element; ``lag`` multiplies the penalty."""
     q, v, a, R = work(b)
     laws = floats(s.laws, s.n_laws)
-    return Place(s.t, phase_of(b, s), s.k, s.penalty * lag, laws, memory_of(b, s), q, v, a, R)
+    return Place(s.t, phase_of(b, s), s.k, penalty_of(b, s, lag), laws, memory_of(b, s), q, v, a, R)
 
 
 @kernel

@@ -24,11 +24,12 @@ def _fields_of_loops(purpose):
 # Addresses of the functions of the kind, index of the current element, addresses of arrays, and their lengths
 # (n, n_...); shapes as in batch.py.
 BATCH = fields(
+    floats="penalty_factor",
     words="function inertia element of_rates n n_local n_vectors n_rotations n_multipliers first_reaction n_reactions "
     "n_output_dofs n_forces n_outputs n_phases "
     "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
     "q v a R f K C M seeded F y energies idle before commands kept first_phase first_memory first_output first_event "
-    "first_element groups"
+    "first_element groups",
 )
 # Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
 SYSTEM = fields(

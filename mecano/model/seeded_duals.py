@@ -8,7 +8,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
 from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, put_matrix, skew, vec
-from mecano.model.gather_scatter import gather_unknowns, memory_of, phase_of, rotations_of, work
+from mecano.model.gather_scatter import gather_unknowns, memory_of, penalty_of, phase_of, rotations_of, work
 
 SIZE = DUAL.itemsize
 
@@ -38,7 +38,7 @@ def dual_place(b, s, lag):
     """Return the Place of a gathered element with Duals; ``lag`` multiplies the penalty."""
     q, v, a, R = seeded(b)
     laws = floats(s.laws, s.n_laws)
-    return Place(s.t, phase_of(b, s), s.k, s.penalty * lag, laws, memory_of(b, s), q, v, a, R)
+    return Place(s.t, phase_of(b, s), s.k, penalty_of(b, s, lag), laws, memory_of(b, s), q, v, a, R)
 
 
 @kernel

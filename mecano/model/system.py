@@ -14,12 +14,13 @@ from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
 from mecano.model.batch import Batch, batches, calling, followers
 from mecano.model.expansion import expand
+from mecano.model.extent import length_scale
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
 from mecano.model.loop_records import SYSTEM, WORD, record
 from mecano.model.mesh import divided
 from mecano.model.model import Model, with_ground
-from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number
+from mecano.model.numbering import LENGTH_CONSTRAINT, SCALAR, SIGNAL, STATE, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.sparse_pattern import sparse_pattern
@@ -41,7 +42,7 @@ class System:
         model = with_ground(divided(model))
         self.model, self.nodes = model, model.nodes
         kinds = {element.kind.name: element.kind for element in model.elements}
-        self.context = Context(model.laws, np.asarray(model.gravity, float), kinds)
+        self.context = Context(model.laws, np.asarray(model.gravity, float), kinds, length_scale(model.nodes))
         instances, shared, used = expand(model, self.context)
         self.shared = [(what, i, j, instances[owner].owner) for what, i, j, owner in shared]
         multipliers = [(EquationName(item.owner, row.name), row) for item in instances for row in item.kind.multipliers]
@@ -54,9 +55,12 @@ class System:
         names = [node.name for node in model.nodes]
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
         self.n_q, self.n_l, self.n = self.numbering.n_q, self.numbering.n_l, self.numbering.n
+        of_lengths = self.numbering.kind[self.n_q : self.n] == LENGTH_CONSTRAINT
+        self.penalty_factors = np.where(of_lengths, 1.0, self.context.length**2)
+        """Factor on the penalty of each constraint (n_l,): 1, or the square of the length scale [m2] for an angle."""
         self._slots(len(names))
         partition = ReactionPartition(shared, fixed, self.n_slots)
-        self.batches = batches(instances, self.numbering, self.n_slots, partition)
+        self.batches = batches(instances, self.numbering, self.n_slots, partition, self.context.length)
         self.massless = self._scalars(lambda kind: kind.massless)
         self._batches_with_arrivals = [batch for batch in self.batches if batch.kind.arrivals is not nothing]
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL

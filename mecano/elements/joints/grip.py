@@ -14,7 +14,7 @@ it holds the position alone, as a hook does; then node b needs no orientation.
 from dataclasses import replace
 
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
-from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.augmented_lagrangian import add_reaction, times_penalty
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.joint_samples import two_parallel
 from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, named, record
@@ -89,9 +89,9 @@ def _holding(force, moment, turns):
             add_reaction(f, at, force + i, Phi[i], _gradient_of_position(at, i))
         if turns:
             S = _turned(at)
-            Phi = _turn(S)
+            Phi, stiffer = _turn(S), times_penalty(at, p.lever * p.lever)
             for i in range(3):
-                add_reaction(f, at, moment + i, Phi[i], _gradient_of_turn(at, S, i))
+                add_reaction(f, stiffer, moment + i, Phi[i], _gradient_of_turn(at, S, i))
 
     @kernel
     def constraints(p, at, g):
@@ -144,7 +144,8 @@ def _functions(layout, turns):
 
 def prepare(d, nodes, context):
     """Return the record of one grip."""
-    return {"duration": WHILE if d["while"] is not None else FOR_EVER if d["release"] is None else UNTIL_RELEASED}
+    duration = WHILE if d["while"] is not None else FOR_EVER if d["release"] is None else UNTIL_RELEASED
+    return {"duration": duration, "lever": context.length}
 
 
 def reads(d):
@@ -176,7 +177,7 @@ GRIP = Kind(
     section="joints",
     doc=__doc__,
     display=Display(support=False, force="force"),
-    dtype=record(duration=()),
+    dtype=record(duration=(), lever=()),
     layout=LAYOUT,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
+from mecano.model.extent import length_scale
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, TRANSLATION
-from mecano.solve.diagnostics.scales import ANGULAR_SHARE, length_scale
+from mecano.solve.diagnostics.scales import ANGULAR_SHARE
 from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:

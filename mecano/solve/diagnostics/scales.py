@@ -1,6 +1,5 @@
 """Physical scales of residuals and errors, and the factors that balance the linear system."""
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -25,7 +24,6 @@ from mecano.solve.linear.rounding import HUGE, ROUNDING, TINY
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly
-    from mecano.model.model import Node
     from mecano.model.system import System
 
 SIGNALS = 1e-8  # tolerance of the equation of a signal, relative to its value or rate
@@ -42,17 +40,6 @@ class Tolerances:
     constraint: float = 1e-10  # of the length scale [m], or rad
     increment: float = 1e-6  # of the length scale [m], or rad
     max_iterations: int = 15
-
-
-def extent(nodes: "Iterable[Node]") -> float:
-    """Return the diagonal of the box around nodes [m]; 0 for a single point or none."""
-    x = np.array([node.x for node in nodes])
-    return float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
-
-
-def length_scale(nodes: "Iterable[Node]") -> float:
-    """Return the size of the mechanism [m], the diagonal of the box around its nodes; 1 m for a single point."""
-    return extent(nodes) or 1.0
 
 
 def constraint_scale(system: "System", length: float) -> np.ndarray:

@@ -48,6 +48,7 @@ class Compliance:
     active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
     force: float  # [N] that displaces a length constraint by SOFTNESS of the length scale
     values: np.ndarray  # (nnz,) in a step
+    penalty_factors: np.ndarray  # (n_l,) of the System
 
     @cached_property
     def released(self) -> np.ndarray:
@@ -81,8 +82,13 @@ class Compliance:
 
         ``stiffness`` [N/m] is the mean stiffness of the tangent.
         """
-        softest = self.matrix.values[~self.released_entries].max(initial=TINY)
-        return min(SHARE_OF_PENALTY / softest, stiffness * self.largest_penalty_share)
+        return min(SHARE_OF_PENALTY / self._softest, stiffness * self.largest_penalty_share)
+
+    @cached_property
+    def _softest(self) -> float:
+        """The largest compliance [m/N], those of angles times the factors of their penalty."""
+        by_length = self.matrix.values * self.penalty_factors[self.matrix.rows]
+        return by_length[~self.released_entries].max(initial=TINY)
 
     @property
     def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -106,13 +112,14 @@ class Compliance:
         r"""Return the right-hand sides (n_l,) of the constraints with which released constraints carry their share.
 
         ``x`` (n_l,) is the solution of the system of consistent.py for ``bottom``. A reaction there is
-        :math:`k x - k B a`, the share of the penalty k included.
+        :math:`k x - p B a`, the share of the penalty p included.
         """
-        rows, out, forces = self.released, bottom.copy(), k * x + bottom
+        rows, out, factors = self.released, bottom.copy(), self.penalty_factors
+        forces = k * x + factors * bottom
         reached = -k * RELEASED_COMPLIANCE * x[rows] - bottom[rows]  # k B a
-        forces[rows] = k * x[rows] - reached
+        forces[rows] = k * x[rows] - factors[rows] * reached
         share = forces[rows] - (self.matrix @ forces)[rows]
-        out[rows] = -reached - RELEASED_COMPLIANCE * (share + reached)
+        out[rows] = -reached - RELEASED_COMPLIANCE * (share + factors[rows] * reached)
         return out
 
     def to_plain(self) -> dict[str, np.ndarray]:
@@ -120,7 +127,7 @@ class Compliance:
         c = self.matrix
         of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
         own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "force": self.force,
-               "values": self.values}  # fmt: skip
+               "values": self.values, "penalty_factors": self.penalty_factors}  # fmt: skip
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
@@ -128,7 +135,7 @@ class Compliance:
         """Restore the compliances from the dict of ``to_plain``."""
         matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
         own = (plain[name] for name in ("places", "of_rates", "let_go", "active", "force"))
-        return cls(matrix, *own, plain["values"].copy())
+        return cls(matrix, *own, plain["values"].copy(), plain["penalty_factors"])
 
 
 OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compliances
@@ -200,7 +207,8 @@ def compliance(
     rows, is_released = matrix.rows, np.zeros(system.n_l, bool)
     is_released[analysis.released] = True
     places, released = _places(system, rows, matrix.columns), is_released[rows]
-    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, matrix.values.copy())
+    values, factors = matrix.values.copy(), system.penalty_factors
+    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, values, factors)
 
 
 def _largest_force(system, s, length, end):

@@ -85,7 +85,7 @@ class ImpactSolution:
         self.held.v = self._moved(change)
         self.after = self._rates(self.held.v)
         reached = self.system.constraint_derivatives(self.held)[:, 1] - self.system.constraint_derivatives(held)[:, 1]
-        self.impulses = self.consistent.share(reactions - self.consistent.k * reached)
+        self.impulses = self.consistent.share(reactions - self.consistent.penalty * reached)
         if uncoupled:
             self.impulses[self.leads] = pushes
             self._add_friction_losses(along)

@@ -4,8 +4,9 @@ All three come from one matrix, factored once,
 
 .. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -k^2 c \end{bmatrix},
 
-with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty
-p makes it regular for nodes without mass; the compliances c are zero unless constraints are redundant.
+with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty p, k times
+the ``penalty_factors`` of the system, makes it regular for nodes without mass; the compliances c are zero unless
+constraints are redundant.
 """
 
 from typing import TYPE_CHECKING
@@ -52,6 +53,7 @@ class Consistent:
         data, self.loose, self.k, self.softness = system.kept(ConstrainedMass).at(s, length, compliance)
         scalars = system.numbering.kind[: system.n_q] == SCALAR
         self.massless = MasslessScalars(system, np.flatnonzero(self.loose & scalars))
+        self.penalty = self.k * system.penalty_factors
         self.data, self.bare, self.compliance = data, system.bare(s), compliance
         self._factor()
 
@@ -109,7 +111,7 @@ class Consistent:
         return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
     def impose(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the ``change`` dq (n_q,) and k mu (n_l,): its impulses plus k B dq, as the penalty acts on B dq."""
+        """Return the ``change`` dq (n_q,) and k mu (n_l,): its impulses plus p B dq, as the penalty acts on B dq."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def share(self, reactions: np.ndarray) -> np.ndarray:
@@ -147,7 +149,7 @@ class Consistent:
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
         s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
-        s.z[system.n_q : system.n] = self.share(reaction + self.k * gamma)
+        s.z[system.n_q : system.n] = self.share(reaction + self.penalty * gamma)
         if len(system.coupled_multipliers) or len(system.sensed_multipliers):
             self._apply_multipliers(s, np.abs(top).max(initial=0.0))
 

@@ -43,8 +43,8 @@ MASS = fields(
     floats="k length softness",
     words="n_q n_l n n_all n_rotations nnz n_data system z a T kind rows columns diagonal signals massless loose alone "
     "by_positions plain penalized derivatives "
-    "n_entries entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection violated "
-    "solve solve_words solve_results substitute substitute_words right solution",
+    "n_entries penalty_factors entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection "
+    "violated solve solve_words solve_results substitute substitute_words right solution",
     loops="residual tangent position rate constraint",
 )
 SECOND = 2  # column of the second rates of the constraints
@@ -189,7 +189,7 @@ def factor_mass(m):
 def change(m, rates, share):
     """Return the least change (n,) of positions or velocities with these ``rates`` (n_l,), times a ``share``.
 
-    The impulses over k follow after its first n_q entries.
+    The impulses over k, without those of the penalty, follow after its first n_q entries.
     """
     b = floats(m.right, m.n)
     for i in range(m.n_q):
@@ -217,8 +217,9 @@ def accelerate(m, s, v, z_out, a_out):
         a_out[i] = a_out[i] if signals[i] else x[i]
     for i in range(m.n_q, m.n_all):
         a_out[i] = 0.0
+    factors = floats(m.penalty_factors, m.n_l)
     for i in range(m.n_l):
-        z_out[m.n_q + i] = m.k * x[m.n_q + i] + m.k * g[i, SECOND]
+        z_out[m.n_q + i] = m.k * (x[m.n_q + i] + factors[i] * g[i, SECOND])
     if m.n_entries:
         kept = floats(m.violated, m.n_l)
         deflect(m, x[m.n_q : m.n], m.k, kept)
@@ -272,7 +273,7 @@ class ConstrainedMass(Pointers):
             T=np.tile(np.eye(3), (3 * len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
             diagonal=system.diagonal, signals=system.signals.astype(np.int64),
             massless=system.massless.astype(np.int64), loose=np.zeros(of.n_q, np.int64), alone=np.zeros(of.n, np.int64),
-            derivatives=np.zeros((of.n_l, 3)), deflection=np.zeros(of.n_l),
+            derivatives=np.zeros((of.n_l, 3)), penalty_factors=system.penalty_factors, deflection=np.zeros(of.n_l),
             violated=np.zeros(of.n_l), right=np.zeros(of.n),
             solution=np.zeros(of.n), solve_results=np.zeros(len(multifrontal.solve.returns)),
             **compliance_fields(None),

@@ -31,7 +31,7 @@ def work_of_jumps(system: "System", method: "Method", s: "State", behind: "State
         return 0.0
     _, consistent = method.consistent(behind, h)
     _, reactions = consistent.impose(jump)
-    return 0.5 * float((reactions - consistent.k * jump) @ (before + after))
+    return 0.5 * float((reactions - consistent.penalty * jump) @ (before + after))
 
 
 def _prescribed(system, s):

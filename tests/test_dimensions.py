@@ -1,0 +1,52 @@
+"""Results do not depend on the units: a deck scaled in length, mass and time gives the scaled motion.
+
+The scales are powers of two, which round no number; gravity is the same in a model of a thousandth of the size.
+"""
+
+import numpy as np
+import pytest
+from equilibria import Path
+from scaled_decks import Units
+from small_motions import eigenvalues
+from test_invariance import largest_by_unit
+from time_runs import RecordedRun, input_deck
+
+SMALL = Units(2.0**-10, 2.0**-30, 2.0**-5)
+LARGE = Units(2.0**10, 2.0**30, 2.0**5)
+TIGHT = ("time.newton.force_tolerance=1e-12", "time.newton.constraint_tolerance=1e-14")
+SHARED = 1e-5  # of the acting forces: what rounding changes in the reactions of redundant constraints (theory.md)
+MOTIONS = {
+    "axle_on_slope": 1e-9, "ball_in_pipe": 1e-9, "beam_spin_up": 1e-9, "bricard": SHARED, "cable_snatch": 1e-9,
+    "cam": 1e-9, "flyball_governor": 1e-9, "thruster": 1e-9,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("units", [SMALL, LARGE], ids=["small", "large"])
+@pytest.mark.parametrize("name", MOTIONS)
+def test_motion_and_reactions(name, units):
+    """All outputs of twenty steps, relative to the largest of their unit."""
+    deck = input_deck(name, *TIGHT)
+    deck.values["time"] |= {"end": 20 * deck.values["time"]["step"], "adaptive": None}
+    here, there = RecordedRun(deck), RecordedRun(units.scaled(deck))
+    sizes = largest_by_unit(here)
+    sizes["N m"] = max(sizes.get("N m", 0.0), sizes.get("N", 0.0) * here.prepared.length)
+    for path, column in here.columns.items():
+        found = there[path] / units.of(column.unit)
+        np.testing.assert_allclose(found, here[path], rtol=0, atol=MOTIONS[name] * sizes[column.unit], err_msg=path)
+
+
+@pytest.mark.parametrize("name", ["lateral_buckling", "snap_through"])
+def test_equilibrium_paths(name):
+    """Load factors and unstable directions of all points."""
+    deck = input_deck(name)
+    here, there = Path(deck), Path(SMALL.scaled(deck))
+    np.testing.assert_allclose(there.factors, here.factors, rtol=1e-9)
+    np.testing.assert_array_equal(there.unstable, here.unstable)
+
+
+@pytest.mark.parametrize("name", ["caster_shimmy", "heavy_top"])
+def test_small_motions(name):
+    """Eigenvalues about steady running and about a spin."""
+    deck = input_deck(name)
+    here, there = eigenvalues(deck, np.inf), eigenvalues(SMALL.scaled(deck), np.inf) * SMALL.of("s")
+    np.testing.assert_allclose(there, here, rtol=1e-8, atol=1e-8 * np.abs(here).max())
