@@ -7,6 +7,7 @@ from time_runs import RecordedRun, deck, input_deck
 from mecano.errors import DeckError
 
 TORQUE, RADIUS, MASS, SPIN, ARMS = 2.2, 0.1, 20.0, 0.005, 0.45
+CORNERS = "front_left", "front_right", "rear_left", "rear_right"
 YAW = 0.8 + 4 * (1.0 * (0.25**2 + 0.2**2) + 0.003)
 
 
@@ -21,6 +22,9 @@ def test_a_platform_on_mecanum_wheels_drives_to_all_sides(verify):
         run = RecordedRun(input_deck("mecanum", f"time.step={step}"))
         left = run["nodes/front_left/position"][-1] - run["nodes/front_right/position"][-1]
         found.append([*run["nodes/platform/position"][-1, :2], np.arctan2(-left[0], left[1])])
+        loads = [run[f"elements/{corner}_wheel/normal_force"][run.time > 2.0] for corner in CORNERS]
+        # on the spot each wheel carries a quarter, of which a step shares the redundant part to 1e-3 (theory.md)
+        np.testing.assert_allclose(loads, MASS * 9.81 / 4, rtol=1e-3)
     what = "platform on Mecanum wheels: displacements [m] and turn [rad]"
     verify.second_order("Wheels", what, *np.array(found), exact, 1e-6, "Lagrange's equations")
     left, right = (run[f"elements/front_{side}_wheel/lateral_force"].ravel() for side in ("left", "right"))

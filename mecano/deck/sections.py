@@ -224,7 +224,12 @@ NEWTON_FIELDS = (
         above_rounding,
     ),
     Field(
-        "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, above_rounding
+        "constraint_tolerance",
+        NUMBER,
+        "-",
+        "constraints relative to the size of the mechanism; taken as 1e-14 in models with redundant ones",
+        1e-10,
+        above_rounding,
     ),
     Field("maximum_iterations", INTEGER, "-", "iterations before the step is abandoned", 15, at_least_one),
 )

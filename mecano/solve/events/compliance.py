@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mecano.solve.diagnostics.mobility import Analysis
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
+SHARING = 1e-3  # of the acting forces: error of redundant reactions by the residuals of their constraints
 SHARE_OF_PENALTY = 1e-7  # of the reactions, which the multipliers do not contain
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
 LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act

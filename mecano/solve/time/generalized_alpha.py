@@ -25,7 +25,7 @@ from mecano.model.assembly import Assembly
 from mecano.model.numbering import MASSLESS, RELEASED, SIGNAL
 from mecano.model.state import History, State
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step, soften
+from mecano.solve.events.compliance import NO_ROWS, SHARING, SOFTNESS, Compliance, compliances_of_a_step, soften
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
@@ -167,11 +167,10 @@ class GeneralizedAlpha:
         self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
-            tolerance=self.tolerance,
-            farthest_fixed=self.workspace.farthest_fixed / self.length,
-            force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
-            most=to.max_iterations, n_massless=len(self._massless), massless=self._massless,
-            increment=self.increment, kind=self._kind,
+            tolerance=self.tolerance, farthest_fixed=self.workspace.farthest_fixed / self.length,
+            force_tolerance=to.force, constraint_tolerance=self._constraint_tolerance(),
+            increment_tolerance=to.increment, most=to.max_iterations, increment=self.increment, kind=self._kind,
+            n_massless=len(self._massless), massless=self._massless,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
             exact_rates=exact_rates, solve=new.function, solve_words=new.words,
             solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
@@ -179,6 +178,11 @@ class GeneralizedAlpha:
         )  # fmt: skip
         self._packed = new, kept
         self._light.forget(self.workspace)
+
+    def _constraint_tolerance(self):
+        """Return the tolerance of the constraints, with which the reactions of redundant ones are accurate as well."""
+        soft = self.compliance is not None and len(self.compliance.soft) > 0
+        return min(self.tolerances.constraint, SHARING * SOFTNESS) if soft else self.tolerances.constraint
 
     def consistent(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, Consistent]:
         """Return a consistent state for steps of size h, and its Consistent.
