@@ -129,6 +129,29 @@ def test_overdamped_oscillator_decays_with_two_rates(damping):
     np.testing.assert_allclose(values_of(text), sorted(roots, key=abs), rtol=1e-9)
 
 
+@pytest.mark.parametrize("more", [0.0, 1e-9, -1e-9])
+def test_the_pair_of_an_unstable_equilibrium_is_not_separated(more):
+    """Masses of 1 kg pushed by 4 N/m away from equilibrium: 2 and -2 1/s; an oscillator with 25 N/m, 5 rad/s.
+
+    Which of equal moduli is the lowest is decided by rounding, here by a ``more`` of the stiffness of one of them.
+    """
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          $x: {{repeat: {{x: [a, b, c]}}, position: [0, 0, 0]}}
+        elements:
+          mass_$x: {{repeat: {{x: [a, b, c]}}, type: rigid_body, node: $x, mass: 1, inertia: [1, 1, 1]}}
+        joints:
+          a: {{type: prismatic, nodes: [ground, a], axis: [1, 0, 0], sliding_law: {{linear: {{slope: -4}}}}}}
+          b: {{type: prismatic, nodes: [ground, b], axis: [1, 0, 0], sliding_law: {{linear: {{slope: {-4.0 - more}}}}}}}
+          c: {{type: prismatic, nodes: [ground, c], axis: [1, 0, 0], sliding_law: {{linear: {{slope: 25}}}}}}
+        {TIME}
+    """
+    for number, wanted in ((1, [2, 2, -2, -2]), (3, [2, 2, -2, -2]), (4, [2, 2, -2, -2]), (5, [2, 2, -2, -2, 5j])):
+        np.testing.assert_allclose(values_of(text, number=number), wanted, rtol=1e-8)
+
+
 def test_double_pendulum():
     """Equal masses on equal massless rods: omega^2 = (2 -+ sqrt 2) g/L, in each of two planes; no spurious modes."""
     text = f"""

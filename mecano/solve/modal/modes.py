@@ -33,6 +33,7 @@ TWINS = 0.1  # relative difference of the moduli of both eigenvalues of such a c
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
+EQUAL = 1e-6  # relative difference of moduli up to which rounding determines their order
 GROWING = ("flutter", "divergence")
 FIRST, MOST = 40, 320  # modes of a large model that are computed first, and at most, to find all of a range
 
@@ -99,6 +100,8 @@ def damping(values: complex | np.ndarray) -> np.ndarray:
 def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> Modes:
     """Return the ``number`` Modes of lowest natural frequency of a Linearization, and all computed unstable ones.
 
+    A growing mode among them is followed by the decaying one of the same modulus.
+
     ``method``: one of SOLVERS. Shapes are scaled so that their largest component is 1 (rotations
     times the length scale). Raises ConvergenceError if ARPACK fails.
     """
@@ -134,9 +137,7 @@ def _found(scaled, lin, number, method):
     exact = method == "dense" and scaled.on_velocity.any() and np.sum(values == 0.0) >= len(free)  # zeros are deflated
     found = _plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes, free)
     values, shapes = _one_of_each_pair(*found)
-    order = np.argsort(np.abs(values), kind="stable")
-    growing = [i for i in order[number:] if _kind(values[i]) in GROWING]
-    chosen = np.array([*order[:number], *growing], int)
+    chosen = _lowest(values, number)
     residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
     free = values[chosen] == 0.0
     if residuals[free].max(initial=0.0) > CONVERGED and not exact and scaled.n_q <= DENSE:
@@ -146,6 +147,22 @@ def _found(scaled, lin, number, method):
         residuals = _refined(scaled, values, shapes, chosen, residuals)
     shapes = np.array([_normal(shapes[i] * scaled.units) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
     return Modes(values[chosen], shapes, residuals, text, len(values))
+
+
+def _lowest(values, number):
+    """Return the indices of the ``number`` values nearest to zero and of all that grow, first among equal moduli.
+
+    A growing mode and the decaying one of the same modulus, of a motion that is reversible in time, are not separated.
+    """
+    order = np.argsort(np.abs(values), kind="stable")
+    size = np.abs(values[order])
+    group = np.cumsum(np.diff(size, prepend=size[:1]) > EQUAL * size)  # of equal moduli
+    grows = np.array([_kind(value) in GROWING for value in values[order]], bool)
+    places = np.lexsort((~grows, group))
+    order, group, grows = order[places], group[places], grows[places]
+    kept = (np.arange(len(order)) < number) | grows
+    of_pairs = np.intersect1d(group[kept & grows], group[:number])
+    return order[kept | np.isin(group, of_pairs)]
 
 
 def _refined(scaled, values, shapes, chosen, residuals):
