@@ -20,8 +20,8 @@ from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.elements.signals.delay import MOST, _kept
 from mecano.errors import AssemblyError, DeckError
-from mecano.model.system import System
 from mecano.solve.time import signals
+from mecano.solve.time.compiled_signals import CompiledSignals
 from mecano.solve.time.signals import _Decomposition, _scales
 
 CONTROL = "Signals and control"
@@ -598,23 +598,52 @@ def test_curves_of_time_and_of_signals():
     assert {0.3333, 0.7777} <= set(run.time.tolist())
 
 
-def test_a_restart_of_linear_signals_uses_their_decomposed_equations(monkeypatch):
-    """They are solved up to eight times, for values and rates: a digital controller restarts at every sample."""
-    prepared, count = prepare(input_deck("digital_control")), []
-    decompose = signals._Decomposition
-    monkeypatch.setattr(signals, "_Decomposition", lambda J: count.append(len(J)) or decompose(J))
-    signals.settle_signals(prepared.system, prepared.state.copy(), 1e-6)
-    assert not count
-    signals.settle_signals(System(prepared.system.model), prepared.state.copy(), 1e-6)
-    assert count == [np.count_nonzero(prepared.system.signals)]
+def test_compiled_code_settles_signals_as_their_singular_value_decomposition_does(monkeypatch):
+    """A loop of formulas that are not linear, filters, a quotient, and a signal that depends on rates of signals."""
+    prepared = prepare(
+        deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0.3, 0, 0]}}
+        elements: {body: {type: point_mass, node: a, mass: 2}}
+        signals:
+          first: 0.1*cos(second) + a.position.x
+          second: first/(4 + a.velocity.x) + time
+          low: {type: lag, input: 1e6*first, time_constant: 0.2}
+          pushed: {type: pid, input: low - 1e6*second, proportional: 3, integral: 2, derivative: 0.1,
+                   derivative_time: 0.1}
+          held: {type: sample_and_hold, input: pushed, period: 0.1}
+        loads: {push: {type: force, node: a, direction: [1, 0, 0], value: 1e-6*held}}
+        time: {end: 1, step: 0.1}
+        """)
+    )
+    start = prepared.state.copy()
+    start.v[0], start.t = 0.7, 0.2
+    compiled = start.copy()
+    assert prepared.system.kept(CompiledSignals).settle(compiled, 1e-4)
+    monkeypatch.setattr(CompiledSignals, "_or_back", lambda *arguments: False)
+    signals.settle_signals(prepared.system, start, 1e-4)
+    for found, expected, rounding in ((compiled.z, start.z, 1e-12), (compiled.v, start.v, 1e-8)):
+        np.testing.assert_allclose(found, expected, rtol=rounding, atol=1e-15)
+    np.testing.assert_allclose(compiled.a, start.a, rtol=1e-5)
 
 
-def test_a_restart_of_linear_signals_computes_few_jacobians(monkeypatch):
-    """One to solve them and one to find circles, each by two assemblies; the states near them need residuals only."""
-    prepared, calls, at = prepare(input_deck("digital_control")), [], signals._Equations.at
-    monkeypatch.setattr(signals._Equations, "at", lambda self, s: calls.append(s.t) or at(self, s))
-    signals.settle_signals(prepared.system, prepared.state.copy(), 1e-6)
-    assert len(calls) == 2
+@pytest.mark.parametrize("formula", ["b*p.position.x", "1/(b - p.velocity.x)"])
+def test_compiled_code_leaves_singular_and_infinite_signals_as_they_are(formula):
+    """Of the loop a = b x, b = a at x = 1, and of a quotient by zero."""
+    prepared = prepare(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{p: {{position: [1, 0, 0]}}}}
+        elements: {{body: {{type: point_mass, node: p, mass: 2}}}}
+        signals: {{a: "{formula}", b: {"a" if "*" in formula else "p.velocity.x"}}}
+        time: {{end: 1, step: 0.1}}
+        """)
+    )
+    before, s = prepared.state, prepared.state.copy()
+    assert not prepared.system.kept(CompiledSignals).settle(s, 1e-4)
+    assert all(np.array_equal(getattr(s, name), getattr(before, name)) for name in "zva")
 
 
 CONTROLLED = """

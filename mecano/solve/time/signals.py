@@ -9,6 +9,7 @@ import numpy as np
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.model.assembly import Assembly
 from mecano.solve.diagnostics.scales import SMALL
+from mecano.solve.time.compiled_signals import TOLERANCE, CompiledSignals
 from mecano.solve.time.increments import displaced, moved
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 ITERATIONS = 30
-MOST_KEPT, SLOW = 4, 0.1  # iterations with a Jacobian of another state; factor by which each has to reduce the change
-TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
 SWEEPS = 20  # of the balancing, which takes 2 or 3
 NONE, ABSENT = -1_000_000, -500_000  # exponent of zero, and a bound on it when it is shifted
@@ -35,6 +34,8 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
     signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
     finite, AssemblyError where they form a loop without a unique solution.
     """
+    if system.kept(CompiledSignals).settle(s, dt):
+        return
     equations = system.kept(_Equations)
     _solve(equations, s)
     reads_rates = _refuse_undetermined(equations, s)
@@ -48,8 +49,7 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
 def _find_rates(equations, s, dt):
     """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
     system, along = equations.system, s.unaccelerated()
-    near = equations.last
-    first, second = (_solve(equations, moved(along, i * dt, system.numbering), near) for i in (1, 2))
+    first, second = (_solve(equations, moved(along, i * dt, system.numbering)) for i in (1, 2))
     at_once, states = np.flatnonzero(system.signals & ~system.states), np.flatnonzero(system.states)
     s.v[at_once] = (4.0 * first.z - 3.0 * s.z - second.z)[at_once] / (2.0 * dt)
     s.a[states] = (4.0 * first.v - 3.0 * s.v - second.v)[states] / (2.0 * dt)
@@ -61,14 +61,14 @@ def solve_signals(system: "System", s: "State") -> "State":
     A signal whose value is not finite is solved later, when the signals that it reads are known: all are zero at first,
     and may be denominators. It may remain non-finite before the velocities of a start are known.
     """
-    return _solve(system.kept(_Equations), s) if system.signals.any() else s
+    if not system.signals.any() or system.kept(CompiledSignals).solve(s):
+        return s
+    return _solve(system.kept(_Equations), s)
 
 
-def _solve(equations, s, near=None):
-    """Do as ``solve_signals`` with the _Equations of a system; ``near``: _Decomposition at a state near ``s``."""
+def _solve(equations, s):
+    """Do as ``solve_signals`` with the _Equations of a system."""
     for _ in range(ITERATIONS):
-        if near is not None and _solved_with(near, equations, s):
-            break
         J, r, _ = equations.at(s)
         known = _finite(J, r)
         all_known = known.all()
@@ -80,27 +80,7 @@ def _solve(equations, s, near=None):
             break
         if _correct(equations, s, own, found.solve(r)) <= TOLERANCE and all_known:
             break
-        near = found if all_known else None
     return s
-
-
-def _solved_with(found, equations, s):
-    """Return whether a few corrections with a _Decomposition solve the equations; ``s`` changes in place.
-
-    The residual alone takes a fifth of the time of a Jacobian, which linear signals have all over.
-    """
-    last = np.inf
-    for _ in range(MOST_KEPT):
-        r = equations.residual(s)
-        if not np.isfinite(r).all():
-            return False
-        change = _correct(equations, s, equations.own, found.solve(r))
-        if change <= TOLERANCE:
-            return True
-        if change > SLOW * last:
-            return False
-        last = change
-    return False
 
 
 def _correct(equations, s, own, change):
@@ -118,7 +98,7 @@ def _finite(J, r):
 class _Equations:
     """The equations of the signals of a system, whose indices are ``own`` (n,).
 
-    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once.
+    The assembly is overwritten at every state.
     """
 
     def __init__(self, system: "System"):
@@ -130,16 +110,6 @@ class _Equations:
         self._places = rows[self._entries], columns[self._entries]
         self._assembly = Assembly(system)
         self._decomposed: _Decomposition | None = None
-
-    @property
-    def last(self) -> "_Decomposition | None":
-        """The last _Decomposition if it is regular and one of all signals."""
-        found = self._decomposed
-        return found if found is not None and not found.singular and len(found.J) == len(self.own) else None
-
-    def residual(self, s: "State") -> np.ndarray:
-        """Return the residual (n,)."""
-        return self.system.assemble(s, into=self._assembly).residual[self.own]
 
     def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
