@@ -13,6 +13,7 @@ from time_runs import deck, in_python, input_deck
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.errors import Failure
 from mecano.results.state import load_state, save_state
+from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 from mecano.solve.time.run_state import from_plain, to_plain
 from mecano.solve.time.step_info import StepInfo
 from mecano.solve.time.time_integration import TimeIntegrator
@@ -203,3 +204,63 @@ def test_a_run_continues_across_events_with_the_same_bits(name, tmp_path):
         assert all(h.t < t for h in happened[: len(happened) - len(later)]) or t == FALL
         left.add(len(later))
     assert len(left) >= 2 and max(left) >= 2  # events lie between the times, and after them
+
+
+ARM = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0]}, e: {position: [1, 0, 0]}, b: {position: [1, 0, 0]}}
+    elements:
+      arm: {type: rigid_body, node: a, mass: 2, inertia: [0.4, 0.4, 0.4], center_of_mass: [0.5, 0, 0], attached: [e]}
+      fore: {type: rigid_body, node: b, mass: 1, inertia: [0.2, 0.2, 0.2], center_of_mass: [1.5, 0, 0]}
+    joints:
+      shoulder: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+      elbow: {type: hinge, nodes: [e, b], axis: [0, 1, 0]}
+    signals:
+      torque: {type: sample_and_hold, input: 60*(0.5 - shoulder.angle) - 8*shoulder.rate, period: 3 ms}
+      second: {type: sample_and_hold, input: 20*(0.2 - elbow.angle) - 2*elbow.rate, period: 1.7 ms}
+      low: {type: lag, input: second, time_constant: 0.01}
+    loads:
+      motor: {type: joint_moment, joint: shoulder, value: torque}
+      other: {type: joint_moment, joint: elbow, value: low}
+      push: {type: force, node: b, direction: [0, 0, 1], value: {table: {points: [[0, 0], [0.03, 5], [1, 0]]}}}
+    time: {end: 0.1 s, step: 1 ms}
+    """
+ALSO = "axis: [0, 1, 0]}\n    signals"  # behind the elbow
+SAMPLED = {
+    "fixed steps": (ARM, True),
+    "adaptive steps": (ARM.replace("1 ms}", "1 ms, adaptive: {tolerance: 1.0e-6}}"), True),
+    "a latch that closes": (ARM.replace(ALSO, ALSO.replace("}", ", latch: {angle: -0.05}}")), True),
+    "redundant joints": (
+        ARM.replace(ALSO, ALSO.replace("s:", "s: [0, 1, 0]}\n      twin: {type: hinge, nodes: [e, b], axis:", 1)),
+        False,
+    ),
+    "friction by reactions": (
+        ARM.replace(ALSO, ALSO.replace("}", ", friction: {coefficient: 0.1, radius: 0.2, regularization: 0.01}}")),
+        False,
+    ),
+    "a signal that reads a reaction": (ARM.replace("input: second", "input: second + 0.01*elbow.force.z"), False),
+}
+
+
+@pytest.mark.parametrize(("text", "compiled"), SAMPLED.values(), ids=SAMPLED.keys())
+def test_restarts_at_samples_in_compiled_code_change_no_bit(text, compiled, monkeypatch):
+    """Where the model admits them, and where Python restarts; a call of the time loop may end at a sample."""
+    found = march_sampled(deck(text))
+    in_steps_of_python = march_sampled(deck(text), in_python)
+    monkeypatch.setattr(GeneralizedAlpha, "restart_at_samples", lambda self: None)
+    in_python_alone = march_sampled(deck(text))
+    check_equal(in_steps_of_python[0], found[0])
+    check_equal(in_python_alone[0], found[0])
+    assert found[1] <= 1 if compiled else found[1] == in_python_alone[1]  # behind the event
+
+
+def march_sampled(checked, disturb=lambda integrator: None):
+    """Return the RunState after 0.1 s as plain data, and the number of restarts by Python."""
+    prepared, restarts = prepare(checked), []
+    integrator = integrator_of(prepared)
+    start_again = integrator._start_again
+    integrator._start_again = lambda *given, **more: restarts.append(given) or start_again(*given, **more)
+    disturb(integrator)
+    run = integrator.to(0.051, integrator.begin(prepared.state, checked.values["time"]["step"]))
+    return to_plain(integrator.to(0.1, run)), len(restarts)

@@ -10,7 +10,7 @@ from mecano.analyses.carry_over import carried_over
 from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_velocities import changed_velocities
 from mecano.analyses.lint import suspicious_model
-from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks
+from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks, time_samples
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.deck.short_bumps import turn_over_bumps
@@ -161,7 +161,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
     return TimeIntegrator(
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
         most_located=values["located_events"], landmarks=time_landmarks(deck) if control.adaptive else (),
-        longest_restart=RESTART * values["step"] if control.adaptive else math.inf,
+        longest_restart=RESTART * values["step"] if control.adaptive else math.inf, samples=time_samples(deck),
     )  # fmt: skip
 
 

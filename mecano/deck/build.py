@@ -80,10 +80,24 @@ def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
 
 def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, of jumps and corners of laws of time, and of samples of signals."""
+    return tuple(sorted(_samples(deck) | _corners(deck)))
+
+
+def time_samples(deck: "Deck") -> tuple[float, ...]:
+    """Return those of ``time_breakpoints`` at which signals are sampled and no law has a jump or corner."""
+    return tuple(sorted(_samples(deck) - _corners(deck)))
+
+
+def _samples(deck):
+    run, signals = deck.values["time"], deck.values["signals"].values()
+    return {t for d in signals for t in KINDS[d["type"]].sampling_times(d, run["start"], run["end"])}
+
+
+def _corners(deck):
     run = deck.values["time"]
     entries = [d for section in SECTIONS for d in deck.values[section].values()]
     times = {t for d in entries for t in KINDS[d["type"]].times(d, run["start"], run["end"])}
-    return tuple(sorted(times.union(*(breakpoints(law) for law in _laws_of_time(deck)))))
+    return times.union(*(breakpoints(law) for law in _laws_of_time(deck)))
 
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:

@@ -49,7 +49,8 @@ change during a shock, a constraint may use the memory that its ``commit`` has j
 
 ``commit(p, at, m_out)`` writes the new memory after an accepted step. If the kind ``follows_jumps`` of its inputs, it
 is also called after every event, at the same time or the next number after it. A kind that ``reads_past`` inputs from
-its memory takes the current one while the memory is zero, as it is in statics.
+its memory takes the current one while the memory is zero, as it is in statics. ``sampling_times`` are those at which
+the new memory makes the value jump.
 
 Where a benchmark shows that derivatives by hand pay, ``force(p, at, f, K, C, M)`` replaces ``residual``: it also adds
 the exact derivatives K = df/dq, C = df/dv, M = df/da to (n_local, n_local) arrays that are zero on entry. The columns

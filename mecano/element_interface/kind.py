@@ -249,6 +249,8 @@ class Events:
     """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
+    sampling_times: Callable = nothing
+    """as ``times``: those at which the memory takes new values, and nothing else jumps"""
     arrivals: Callable = nothing
     """(record, memory) -> [time]: further such times, which follow from the memory, as those of jumps that are late"""
 

@@ -62,7 +62,7 @@ class System:
         partition = ReactionPartition(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, partition, self.context.length)
         self.massless = self._scalars(lambda kind: kind.massless)
-        self._batches_with_arrivals = [batch for batch in self.batches if batch.kind.arrivals is not nothing]
+        self.batches_with_arrivals = [batch for batch in self.batches if batch.kind.arrivals is not nothing]
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
         self.states = self.numbering.kind[: self.n_q] == STATE
         self._state_dofs = np.flatnonzero(self.states)
@@ -288,6 +288,11 @@ class System:
         add_scaled = self._driver(assembly_driver.add_scaled, loops.tangent, Batch.is_scaled)
         add_scaled(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
 
+    @property
+    def samples(self) -> bool:
+        """True if signals are sampled at given times."""
+        return any(batch.kind.sampling_times is not nothing for batch in self.batches)
+
     @cached_property
     def coupled_multipliers(self) -> np.ndarray:
         """Indices (n,), ascending, of the multipliers that act on forces other than as reactions, such as friction."""
@@ -353,7 +358,7 @@ class System:
     def arrivals(self, memory: np.ndarray) -> list[float]:
         """Return the times [s] at which steps must end that follow from the ``memory``."""
         found: list[float] = []
-        for batch in self._batches_with_arrivals:
+        for batch in self.batches_with_arrivals:
             width = len(batch.kind.memory)
             own = memory[batch.first_memory :][: width * len(batch.p)].reshape(-1, width)
             for p, m in zip(batch.p, own, strict=True):

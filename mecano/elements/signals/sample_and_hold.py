@@ -34,7 +34,7 @@ def commit(p, at, m_out):
         m_out[STARTED] = 1.0
 
 
-def times(d, start, end):
+def sampling_times(d, start, end):
     """Return the sampling times [s] after the start."""
     return (start + d["period"] * np.arange(1, int((end - start) / d["period"]) + 1)).tolist()
 
@@ -47,5 +47,5 @@ SAMPLE_AND_HOLD = signal_of_input(
     same_unit_as=lambda d: d["input"],
     memory=("held", "next", "started"),
     reads_past=True,
-    **named(residual, commit, times),
+    **named(residual, commit, sampling_times),
 )

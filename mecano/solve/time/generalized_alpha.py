@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from mecano.solve.events.shocks import Shocks
     from mecano.solve.linear.sparse import LinearSolver
     from mecano.solve.time.output import Output
+    from mecano.solve.time.restart import Restart
     from mecano.solve.time.step_control import StepControl
     from mecano.solve.time.stride_arrays import Recorder
 
@@ -135,10 +136,11 @@ class GeneralizedAlpha:
         self.length, self.tolerances = length, tolerances
         self.k, self.penalty, self.duration, self.tolerance = k, penalty, duration, tolerance
         self.patience = PATIENCE
+        self.compiled_restart: Restart | None = None
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None
         self._massless = np.flatnonzero(system.massless)
-        self._light = LightUnknowns(system, length)
+        self.light = LightUnknowns(system, length)
         self._kind = system.numbering.kind.copy()
         self._kind[self._massless] = MASSLESS
         self.assembly = Assembly(system)
@@ -177,7 +179,7 @@ class GeneralizedAlpha:
             substitute_words=kept.words,
         )  # fmt: skip
         self._packed = new, kept
-        self._light.forget(self.workspace)
+        self.light.forget(self.workspace)
 
     def _constraint_tolerance(self):
         """Return the tolerance of the constraints, with which the reactions of redundant ones are accurate as well."""
@@ -204,6 +206,8 @@ class GeneralizedAlpha:
         The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
+        if self.compiled_restart is not None and consistent is None and (found := self.compiled_restart.start(s, h)):
+            return found
         s, _ = self.consistent(s, h, consistent)
         none, at_once = np.zeros(self.system.n), self.system.numbering.kind[: self.system.n] == SIGNAL
         slope = np.where(at_once, h * s.v[: self.system.n], none)
@@ -221,7 +225,7 @@ class GeneralizedAlpha:
         """
         w = self.workspace
         w.held = None
-        self._light.begin(w, s)
+        self.light.begin(w, s)
         w.put_history(history)
         w.point_to(next_h=h, factored=0)
         change_step(w.record)
@@ -291,13 +295,23 @@ class GeneralizedAlpha:
         """
         self.workspace.record["strict"] = strictly
         if strictly:
-            self._light.enter(self.workspace)
+            self.light.enter(self.workspace)
 
     def ordinary_steps(
         self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
     ) -> OrdinarySteps:
         """Return the OrdinarySteps of a time integration."""
         return OrdinarySteps(self, control, shocks, observation, recorder)
+
+    def restart_at_samples(self) -> None:
+        """Restart in compiled code from now on, where the model admits it."""
+        from mecano.solve.time.restart import Restart  # not needed without sampled signals
+
+        self.compiled_restart = Restart(self)
+
+    def restarts_at_samples(self) -> bool:
+        """Return whether compiled code restarts at sampling times in the present phases."""
+        return self.compiled_restart is not None and self.compiled_restart.prepare()
 
     def use_output(self, output: "Output") -> None:
         """Do nothing: the ``output`` of steps interpolates between their ends."""
@@ -328,7 +342,7 @@ class GeneralizedAlpha:
             self._factor(history.tangent, *self._weights(history, h))
         self.workspace.put_state(BEGIN, s0)
         if self.tolerance < np.inf and not self.workspace.record["knows_light"][0]:
-            self._light.enter(self.workspace)
+            self.light.enter(self.workspace)
         self._enter(history, h)
 
     def _enter(self, history, h):

@@ -1,11 +1,17 @@
 """Ordinary steps of generalized-alpha: inputs of the compiled loop (stride.py), and the handling of its results."""
 
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mecano.solve.time.run_state import RunState
+from mecano.solve.time.sampled_restart import restart_at_sample
 from mecano.solve.time.step import attempt
+from mecano.solve.time.step_control import SHORT, STRETCH, first_size
 from mecano.solve.time.step_info import StepInfo, Trial
-from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT, STRETCH, WAIT, stride
+from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT, WAIT, stride
 from mecano.solve.time.stride_arrays import Recorder, StrideArrays
 from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT
 
@@ -47,19 +53,38 @@ class OrdinarySteps:
         self.record = self.arrays.record
         self._stride = stride.bind(self.record, self.workspace.record, self.arrays.output)
         self._tangent: State | None = None  # of the tangent in the workspace
+        self._samples: np.ndarray | None = None  # times [s], if compiled code restarts there
+        self._corners: Set[float] = frozenset()
         if control.adaptive:
             self._change_steps()
             self._bound_errors()
+
+    def end_at(self, samples: Sequence[float], corners: Set[float], longest_restart: float) -> None:
+        """Let compiled code end steps at ``samples`` [s], ascending, and restart there.
+
+        ``corners`` are all times at which forces jump; no restart begins with a step above ``longest_restart`` [s].
+        """
+        restarting, w, r = self.method.compiled_restart, self.workspace, self.record
+        if restarting is None:
+            return
+        self._samples, self._corners = np.array(samples), corners
+        self._at_sample = restart_at_sample.call_from_compiled_code(r, restarting.record, w.record, self.arrays.output)
+        r["at_sample"], r["at_sample_words"] = self._at_sample.function, self._at_sample.words.ctypes.data
+        r["longest_restart"] = longest_restart
+        self._change_steps()
 
     def advance(self, run: RunState, stop: float, most: int) -> "tuple[RunState, Trial | None, bool]":
         """Make at most ``most`` steps towards ``stop`` [s]; return (run, trial, whether Python makes the next step).
 
         The trial is a step from the returned run, still to be accepted or rejected, or None.
         """
-        if stop - run.motion.t < STRETCH * run.h:
+        first = stop if self._samples is None else self._first_of(self._samples, run.motion.t, stop)
+        if stop - run.motion.t < STRETCH * run.h or first - run.motion.t <= SHORT * run.h:
             return run, None, True
         if self.workspace.held is not run:
-            self._load(run)
+            self._load(run, first)
+        if self._samples is not None:
+            self._enter_samples(self._samples, run.motion.t, stop)
         code, advanced = self.arrays.steps(self._make_steps, stop, most, self.method.patience)
         if advanced:
             run = self.arrays.run(run, self.workspace.last_history(self._tangent))
@@ -67,6 +92,8 @@ class OrdinarySteps:
         self.workspace.held = run if code == WAIT or run.h == self.workspace.record["h"][0] else None
         if code == DECIDE:
             return run, self._trial(run), True
+        if code == ENOUGH and self._samples is not None:
+            stop = self._first_of(self._samples, run.motion.t, stop)
         return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
     def _make_steps(self):
@@ -81,13 +108,28 @@ class OrdinarySteps:
             self.linear.solved(w.state(RENEWED, self._phases))
         return code
 
-    def _load(self, run):
-        """Enter the run, with a history for its step size, into the workspace."""
-        history = run.history
-        if history.h != run.h:
-            history = self.method.restart(run.motion, history, run.h)
+    def _first_of(self, samples, t, stop):
+        """Return the first of the sampling times behind t [s], or ``stop`` if that is earlier."""
+        i = bisect_right(samples, t)
+        return min(stop, samples[i]) if i < len(samples) else stop
+
+    def _enter_samples(self, samples, t, stop):
+        """Enter the sampling times between t and ``stop`` [s]."""
+        first, last = bisect_right(samples, t), bisect_left(samples, stop)
+        self.arrays.point_to(
+            n_samples=last - first, samples=samples.ctypes.data + 8 * first, next_sample=0,
+            jumps_at_end=stop in self._corners,
+        )  # fmt: skip
+
+    def _load(self, run, stop):
+        """Enter the run, with a history for the size of its next step, into the workspace."""
+        history, size = run.history, run.h
+        if history.h != size:  # a history for a first step that ends at a given time is kept
+            size = first_size(run.motion.t, run.h, stop, stop in self._corners)
+        if history.h != size:
+            history = self.method.restart(run.motion, history, size)
             self._change_steps()
-        self.method.prepare(run.motion, history, run.h)
+        self.method.prepare(run.motion, history, size)
         if history.tangent is not None:
             self.workspace.put_state(TANGENT, history.tangent)
         if history is not run.history:

@@ -103,6 +103,19 @@ def sample(o, w, row):
 
 
 @kernel
+def begin_row(o, w):
+    """Begin the next step with the row at BEGIN, where forces have jumped; ``code`` reports as for a step."""
+    row, signs = floats(o.row0, o.row_size), integers(o.signs, o.n_forces)
+    observed = Observed(floats(o.outputs, o.n_outputs), floats(o.energy, 4))
+    fill(row, nodes_of(o), observed, state_of(w, BEGIN), o.dissipated, o.given)
+    floats(o.difference, o.n_forces)[:] = 0.0
+    for i in range(o.n_forces):
+        signs[i] = 0
+    o.which = extend_extremes(o, time_of(w, BEGIN)[0], row)
+    o.code = NOT_FINITE if o.which >= 0 else DONE
+
+
+@kernel
 def nodes_of(o):
     """Return the indices of the motion of each node."""
     return Nodes(integers(o.x, o.n_nodes), integers(o.r, o.n_nodes), integers(o.rotation, o.n_nodes))

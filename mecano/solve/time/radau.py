@@ -157,6 +157,13 @@ class Radau:
         """Return the RadauSteps of a time integration."""
         return RadauSteps(self, shocks, observation, recorder)
 
+    def restart_at_samples(self) -> None:
+        """Do nothing: Python restarts."""
+
+    def restarts_at_samples(self) -> bool:
+        """Return False, as ``restart_at_samples`` says."""
+        return False
+
     def use_output(self, output: "Output") -> None:
         """Let the ``output`` of steps interpolate between the stages."""
         own = output.record, self.workspace.record, self.stages.record

@@ -1,13 +1,15 @@
 """Ordinary steps of Radau IIA: inputs of the compiled loop (radau_stride.py), and the handling of its results."""
 
+from collections.abc import Sequence, Set
 from typing import TYPE_CHECKING
 
 from mecano.model.state import RadauHistory
 from mecano.solve.time.radau_step import attempt
 from mecano.solve.time.radau_stride import stride
 from mecano.solve.time.run_state import RunState
+from mecano.solve.time.step_control import STRETCH
 from mecano.solve.time.step_info import StepInfo, Trial
-from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT, STRETCH
+from mecano.solve.time.stride import DECIDE, ENOUGH, REPEAT
 from mecano.solve.time.stride_arrays import Recorder, StrideArrays
 from mecano.solve.time.workspace import BEGIN
 
@@ -28,6 +30,9 @@ class RadauSteps:
         )
         self.record = self.arrays.record
         self._stride = stride.bind(self.record, self.workspace.record, self.stages.record, self.arrays.output)
+
+    def end_at(self, samples: Sequence[float], corners: Set[float], longest_restart: float) -> None:
+        """Do nothing: Python restarts at sampling times."""
 
     def advance(self, run: RunState, stop: float, most: int) -> "tuple[RunState, Trial | None, bool]":
         """Make at most ``most`` steps towards ``stop`` [s]; return as ``OrdinarySteps.advance``."""

@@ -8,7 +8,7 @@ from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.radau_step import gap_of
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, stage_of
-from mecano.solve.time.step_control import allowed, factor_of_order, retried
+from mecano.solve.time.step_control import STRETCH, allowed, factor_of_order, retried
 from mecano.solve.time.step_info import MOST_TURN
 from mecano.solve.time.stride import (
     ADVANCED,
@@ -20,7 +20,6 @@ from mecano.solve.time.stride import (
     RECORDING,
     REPEAT,
     STEPPING,
-    STRETCH,
     STRIDE,
     WAIT,
     count,

@@ -5,6 +5,7 @@ from typing import Self
 
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
+from mecano.maths.adjacent import predecessor
 
 SAFETY = 0.9
 GROWTH = 2.0
@@ -17,6 +18,9 @@ EASE = 0.7  # by at least this factor
 FORGOTTEN = 1e-3  # of the tolerance: the error of a step in massless unknowns, which relax and so forget it
 SUDDEN = 1e-4  # of the tolerance: the error of a step in a signal whose rate may jump, which no step size mends
 LEAST = 1e-7  # of the tolerance: what any step may use of it, so that a run of ten million steps uses twice as much
+STRETCH = 1.01  # a step becomes so much longer rather than leave a very short one before a time at which steps end
+SHORT = 1e-3  # of the planned step: the reactions of a step so much shorter are dominated by rounding
+NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 AT_ONCE = 1e-300  # s: the duration for which any step is long
 
 
@@ -63,6 +67,28 @@ def planned(change, share, h, minimum, maximum, iterations):
         return h
     change = min(change, GROWTH) if change > 1.0 else change * RESERVE
     return min(max(h * change, minimum), maximum)
+
+
+@kernel
+def clipped(t, h, stop, jumps):
+    """Return the size of a step of planned size h from the time t to ``stop`` at most.
+
+    If forces jump there (``jumps``), the step ends just before. It becomes STRETCH longer rather than leave a very
+    short one.
+    """
+    remaining = stop - t
+    if remaining >= STRETCH * h:
+        return h
+    if not jumps:
+        return remaining if abs(remaining - h) > NEGLIGIBLE_TIME * h else h
+    remaining = predecessor(stop) - t
+    return remaining if t + remaining < stop else predecessor(remaining)  # the sum was rounded up
+
+
+@kernel
+def first_size(t, h, stop, jumps):
+    """Return the size for which a history begins at the time t, as ``clipped``, or h where too little time remains."""
+    return clipped(t, h, stop, jumps) if stop - t > SHORT * h else h
 
 
 @kernel

@@ -9,6 +9,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
+from mecano.maths.adjacent import successor
 from mecano.model.assembly_driver import commit, event_values, loops_at, observe, observe_loops
 from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION, TRANSLATION
@@ -21,7 +22,19 @@ from mecano.solve.time.contradictions import CREEPING, SLIPS
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
-from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
+from mecano.solve.time.step_control import (
+    FORGOTTEN,
+    HOLD,
+    NEGLIGIBLE_TIME,
+    SHORT,
+    STRETCH,
+    allowed,
+    clipped,
+    counted,
+    factor,
+    planned,
+    retried,
+)
 from mecano.solve.time.step_info import MOST_TURN
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -39,15 +52,16 @@ from mecano.solve.time.workspace import (
 )
 
 PROBE = 50  # steps between two computations of the bounded error of steps that their plain error keeps short
-STRETCH = 1.01  # a step becomes so much longer rather than leave a very short one before a time at which steps end
 
-ENOUGH, DECIDE, REPEAT, WAIT, RECORDED = range(5)  # why the call ends
-ADVANCED, AGAIN = 5, 6  # it goes on, with the next phase or with another trial
-READY, STEPPING, RECORDING = range(3)  # phases of a step
+ENOUGH, DECIDE, REPEAT, WAIT, RECORDED, RESTART = range(6)  # why the call ends
+ADVANCED, AGAIN = 6, 7  # it goes on, with the next phase or with another trial
+READY, STEPPING, RECORDING, SAMPLING = range(4)  # phases of a step
 
 STRIDE = fields(
-    floats="until tolerance duration minimum maximum turn planned dissipated given power_dissipated power_given",
-    words="phase steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
+    floats="until stop tolerance duration minimum maximum turn planned longest_restart dissipated given "
+    "power_dissipated power_given",
+    words="phase jumps_at_end n_samples samples next_sample samples_now at_sample at_sample_words restarted "
+    "steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events before_values n_departing departing "
     "n_brief brief n_conditions conditions "
@@ -60,9 +74,10 @@ STRIDE = fields(
 def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
     """Make steps from BEGIN; return why the call ends.
 
-    ENOUGH: the requested number of steps is made, or the next one needs another size. DECIDE: Python judges TRIAL, the
-    first trial from BEGIN. REPEAT: Python makes the step from BEGIN. WAIT: Python checks for signals, and calls again.
-    RECORDED: the buffers are full, or the run must end, as the code in ``output`` states.
+    ENOUGH: the requested number of steps is made, or the next one needs another size. RESTART: Python restarts at
+    BEGIN, a sampling time. DECIDE: Python judges TRIAL, the first trial from BEGIN. REPEAT: Python makes the step from
+    BEGIN. WAIT: Python checks for signals, and calls again. RECORDED: the buffers are full, or the run must end, as the
+    code in ``output`` states.
     """
     m, w, o = integrator[0], work[0], output[0]
     while True:
@@ -83,6 +98,13 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
             move_on(m, w)
             if o.code != DONE:
                 return RECORDED
+        if m.phase == SAMPLING:
+            call(m.at_sample, m.at_sample_words, 0)
+            m.phase = READY
+            if not m.restarted:
+                return RESTART
+            if m.records and o.code != DONE:
+                return RECORDED
         if is_due(w):
             return WAIT
 
@@ -90,15 +112,32 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
 @kernel
 def prepared(m, w):
     """Begin the next step; return ADVANCED, or why the call ends."""
-    if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
+    if m.done == m.most:
         return ENOUGH
-    if m.planned != w.h and not changes(m, w, m.planned):
+    t, size = time_of(w, BEGIN)[0], m.planned
+    m.stop, jumps = next_stop(m, t)
+    if m.stop - t < STRETCH * size:
+        if m.next_sample == m.n_samples:
+            return ENOUGH
+        size = clipped(t, size, m.stop, jumps)
+    if size <= SHORT * m.planned or (size != w.h and not changes(m, w, size)):
         return ENOUGH
     if departs(m, w):
         return REPEAT
     m.rejections, m.of_rejected = 0, 0
     begin(m, w)
     return ADVANCED
+
+
+@kernel
+def next_stop(m, t):
+    """Return the next time at which a step must end, and whether forces jump there: a sampling time, or the end."""
+    samples = floats(m.samples, m.n_samples)
+    while m.next_sample < m.n_samples and samples[m.next_sample] <= t:
+        m.next_sample += 1
+    if m.next_sample < m.n_samples:
+        return samples[m.next_sample], 1
+    return m.until, m.jumps_at_end
 
 
 @kernel
@@ -290,9 +329,18 @@ def accept(m, w, o, error, share):
     o.forces, o.constraints, o.increment = report[1], report[2], report[3]
     count(m, w, o, iterations, error, share)
     plan(m, w, factor(error, share), share, iterations)
+    m.samples_now = 1 if m.next_sample < m.n_samples and meets(w, m.stop) else 0
+    if m.samples_now:
+        time_of(w, TRIAL)[0] = m.stop
     m.phase = RECORDING
     if not m.records:
         move_on(m, w)
+
+
+@kernel
+def meets(w, stop):
+    """Return whether the step ends at the time ``stop`` [s], but for rounding."""
+    return abs(time_of(w, TRIAL)[0] - stop) <= max(NEGLIGIBLE_TIME * w.h, successor(stop) - stop)
 
 
 @kernel
@@ -325,8 +373,13 @@ def take(m, w):
 
 @kernel
 def plan(m, w, change, share, iterations):
-    """Plan the size of the next step; it grows only as far as no body turns too far in it."""
+    """Plan the size of the next step; it grows only as far as no body turns too far in it.
+
+    A step shortened to end at a given time does not shorten the next one.
+    """
     wanted = planned(change, share, w.h, m.minimum, m.maximum, iterations)
+    if m.rejections == 0 and w.h < m.planned:
+        wanted = max(wanted, m.planned)
     if wanted > w.h:
         longest = longest_step(m, w)
         wanted = min(wanted, longest) if longest >= HOLD * w.h else w.h
@@ -355,4 +408,4 @@ def move_on(m, w):
         m.renewed_tangents += 1
         w.renewed = 0
     w.known, w.has, w.age, w.drift, w.spent = w.next_known, w.next_has, w.next_age, w.next_drift, w.next_spent
-    m.phase = READY
+    m.phase = SAMPLING if m.samples_now else READY

@@ -21,10 +21,10 @@ from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.signals import solve_signals
-from mecano.solve.time.step_control import HOLD, StepControl
+from mecano.solve.time.step_control import HOLD, NEGLIGIBLE_TIME, SHORT, StepControl, first_size
 from mecano.solve.time.stride import PROBE
 from mecano.solve.time.stride_arrays import Recorder
-from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
+from mecano.solve.time.trials import Trials
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_CUTS = 500  # while time advances by less than the largest step: then the run crawls
-SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by rounding
 
 
 @dataclass(slots=True)
@@ -64,6 +63,7 @@ class TimeIntegrator:
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
     longest_restart: float = math.inf  # step [s] with which adaptive steps restart where functions of time may begin
     landmarks: Sequence[float] = ()  # further times that a step must end on: of pulses of laws of time
+    samples: Sequence[float] = ()  # of the breakpoints, those at which nothing but sampled signals jumps
     pause: Callable[[RunState], object] = lambda run: None  # called within a step with the run before it; may raise
     recorder: Recorder | None = None  # takes steps from compiled code and, called with Accepted, from Python
     reporters: tuple[Callable[[RunState], object], ...] = ()  # called with the RunState between calls of compiled code
@@ -82,7 +82,8 @@ class TimeIntegrator:
     def __post_init__(self):
         self._corners = sorted(self.breakpoints)  # of a sampled signal there may be very many
         self._is_corner = set(self._corners)  # with those that follow from the memory
-        self._stops = sorted(self._is_corner.union(self.landmarks))
+        self._stops, self._is_sample = sorted(self._is_corner.union(self.landmarks)), set(self.samples)
+        self._others = [t for t in self._stops if t not in self._is_sample] if self.samples else self._stops
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
@@ -91,6 +92,8 @@ class TimeIntegrator:
             self.system, self.method, self.control, self.monitor, self.capture, self.shocks, self._is_corner
         )
         self.rounding = RoundingLimit(self.control, self.method)
+        if self.samples and not self.system.batches_with_arrivals:
+            self.method.restart_at_samples()
 
     @property
     def warnings(self) -> list[str]:
@@ -144,23 +147,23 @@ class TimeIntegrator:
         before_corner = run.motion.t in self._is_corner and run.history.known  # the last call ended there
         if memory is not None:
             run = replace(run, motion=replace(run.motion, memory=memory))
-        if before_corner:
-            run = self._start_behind_corner(run)
-        elif memory is not None:
-            run = self._start_again(run, run.motion)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
+        if before_corner:
+            run = self._start_behind_corner(run, end)
+        elif memory is not None:
+            run = self._start_again(run, run.motion)
         while run.motion.t < end and not (self.monitor.final and self.monitor.ended(run.motion)):
             stop = self._next_stop(run, end)
             if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
                 run = replace(run, motion=replace(run.motion, t=stop))
             else:
-                run = self._steps_towards(run, stop)
+                run = self._steps_towards(run, stop, end)
                 self.rounding.refuse(run, len(self.cuts))
                 for report in self.reporters:
                     report(run)
-            if run.motion.t == stop < end and stop in self._is_corner:
-                run = self._start_behind_corner(run)
+            if run.motion.t < end and run.motion.t in self._is_corner:
+                run = self._start_behind_corner(run, end)
         return run
 
     def _next_stop(self, run, end):
@@ -188,12 +191,26 @@ class TimeIntegrator:
         self.events.from_plain(plain)
         self.capture.from_plain(plain["capture"])
 
-    def _steps_towards(self, run, stop):
-        """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary."""
+    def _beyond_samples(self, run, stop, end):
+        """Return the time up to which compiled code may step beyond the sampling time ``stop``, or ``stop`` itself."""
+        if self.observers or not self.method.restarts_at_samples():
+            return stop
+        i = bisect_right(self._others, run.motion.t)
+        return min(self._others[i], end) if i < len(self._others) else end
+
+    def _steps_towards(self, run, stop, end):
+        """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary.
+
+        Compiled code may pass sampling times, up to ``end``.
+        """
         self._before = run
         self.pause(run)
-        run, trial, decide = self.ordinary(run, stop)
+        until = self._beyond_samples(run, stop, end) if stop in self._is_sample else stop
+        run, trial, decide = self.ordinary(run, until)
         self._before = run
+        if decide and run.motion.t >= stop:
+            stop = self._next_stop(run, end)
+            decide = stop - run.motion.t >= self._shortest(stop)
         return self._advance(run, stop, trial) if decide else run
 
     def ordinary(self, run: RunState, stop: float) -> "tuple[RunState, Trial | None, bool]":
@@ -204,6 +221,8 @@ class TimeIntegrator:
         if self._ordinary_steps is None:
             given = self.control, self.shocks, self.observation, self.recorder
             self._ordinary_steps = self.method.ordinary_steps(*given)
+            if self.samples:
+                self._ordinary_steps.end_at(self.samples, self._is_corner, self.longest_restart)
         if not self.observers:
             return self._ordinary_steps.advance(run, stop, MOST_STEPS)
         new, trial, decide = self._ordinary_steps.advance(run, stop, 1)
@@ -318,17 +337,20 @@ class TimeIntegrator:
             dissipated=run.dissipated + float(work[-1][0]), given=run.given + float(work[-1][1]),
         )  # fmt: skip
 
-    def _start_again(self, run, s, consistent=None):
-        """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner."""
-        s, history = self.method.start(s, run.h, consistent)
+    def _start_again(self, run, s, consistent=None, size=None):
+        """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner.
+
+        ``size`` is that of the first step, if it is not the planned one.
+        """
+        s, history = self.method.start(s, size or run.h, consistent)
         s = replace(s, memory=self.system.commit_jumps(s))
         new = replace(run, motion=s, history=history, powers=self._observe(s).powers)
         if self.recorder is not None:
             self.recorder.restarted(new, passing=self._passes(s, run.h))  # forces may jump
         return new
 
-    def _start_behind_corner(self, run):
-        """Restart the run just after the corner at its end, with the slopes of the laws there.
+    def _start_behind_corner(self, run, end):
+        """Restart the run just after the corner at its end, with the slopes of the laws there, for steps to ``end``.
 
         At the corner itself a table that holds its last value still has the slope before it.
         """
@@ -336,7 +358,9 @@ class TimeIntegrator:
 
         behind, h = replace(run.motion, t=np.nextafter(run.motion.t, math.inf)), min(run.h, self.longest_restart)
         given = run.given + work_of_jumps(self.system, self.method, run.motion, behind, h)
-        return self._start_again(replace(run, h=h, given=given), behind)
+        run = replace(run, motion=behind, h=h, given=given)
+        stop = self._next_stop(run, end)
+        return self._start_again(run, behind, size=first_size(behind.t, h, stop, stop in self._is_corner))
 
     def _passes(self, s, h):
         """Return whether another event follows at the same instant."""

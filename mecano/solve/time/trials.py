@@ -14,8 +14,7 @@ from mecano.solve.events.passing import passed
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.rounding_limit import below_rounding
-from mecano.solve.time.step_control import AFTER_FAILURE, StepControl
-from mecano.solve.time.stride import STRETCH
+from mecano.solve.time.step_control import AFTER_FAILURE, StepControl, clipped
 
 if TYPE_CHECKING:
     from mecano.model.system import System
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 
 BEYOND = 2.0  # times to an impact that a long step would not show, at the present rate, at which it is sought
 OVERLAP = 1e-3  # of the gap up to which contacts touch: one that has opened closes again where it overlaps by more
-NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
 
 @dataclass(eq=False, repr=False)
@@ -49,7 +47,7 @@ class Trials:
 
         Failed trials are added to ``cuts``; after one, convergence requires more of the residual (``insist``).
         """
-        h, rejected, iterations = self._clip(run, stop), 0, 0
+        h, rejected, iterations = clipped(run.motion.t, run.h, stop, stop in self.corners), 0, 0
         while True:
             if cuts:
                 self.method.insist(True)  # in a shorter step any correction is rounding
@@ -181,16 +179,6 @@ class Trials:
     def _history_for(self, run, h):
         """Return the history of the run for the step size h."""
         return run.history if run.history.h == h else self.method.restart(run.motion, run.history, h)
-
-    def _clip(self, run, stop):
-        """Return the step size to try: the planned one, or the remaining time to ``stop``."""
-        remaining = stop - run.motion.t
-        if remaining >= STRETCH * run.h:
-            return run.h
-        if stop not in self.corners:
-            return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
-        remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
-        return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
 
     def _refuse_singular(self, s):
         from mecano.solve.time.singular_position import refuse_singular  # no run that ends well needs it
