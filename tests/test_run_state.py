@@ -247,12 +247,20 @@ SAMPLED = {
 def test_restarts_at_samples_in_compiled_code_change_no_bit(text, compiled, monkeypatch):
     """Where the model admits them, and where Python restarts; a call of the time loop may end at a sample."""
     found = march_sampled(deck(text))
+    interrupted = march_sampled(deck(text), interrupt)
     in_steps_of_python = march_sampled(deck(text), in_python)
     monkeypatch.setattr(GeneralizedAlpha, "restart_at_samples", lambda self: None)
     in_python_alone = march_sampled(deck(text))
+    check_equal(interrupted[0], found[0])
     check_equal(in_steps_of_python[0], found[0])
     check_equal(in_python_alone[0], found[0])
     assert found[1] <= 1 if compiled else found[1] == in_python_alone[1]  # behind the event
+
+
+def interrupt(integrator):
+    """Let Python look for signals of the process in each step, and enter the run again."""
+    integrator.method.patience = 0.0
+    integrator.pause = lambda run: setattr(integrator.method.workspace, "held", None)
 
 
 def march_sampled(checked, disturb=lambda integrator: None):

@@ -162,7 +162,8 @@ class TimeIntegrator:
                 self.rounding.refuse(run, len(self.cuts))
                 for report in self.reporters:
                     report(run)
-            if run.motion.t < end and run.motion.t in self._is_corner:
+            t, met = run.motion.t, run.motion.t == stop or run.history.known  # compiled code may have restarted at t
+            if met and t < end and t in self._is_corner:
                 run = self._start_behind_corner(run, end)
         return run
 
