@@ -598,6 +598,25 @@ def test_curves_of_time_and_of_signals():
     assert {0.3333, 0.7777} <= set(run.time.tolist())
 
 
+def test_a_force_by_a_signal_that_jumps_has_its_whole_impulse():
+    """At the corner, the last correction of the time is its rounding, which carries the curve over its jump."""
+    run = RecordedRun(
+        deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {body: {type: point_mass, node: a, mass: 2}}
+        signals:
+          on: {type: curve, input: time, law: {step: {time: 0.3333, rise: 0, from: 1, to: 4}}}
+        loads: {push: {type: force, node: a, direction: [1, 0, 0], value: 2*on}}
+        time: {end: 1, step: 0.1}
+        """)
+    )
+    momentum = 2.0 * run["nodes/a/velocity"][:, 0]
+    expected = 2.0 * run.time + 6.0 * np.maximum(run.time - 0.3333, 0.0)  # the integral of 2, then 8 N
+    np.testing.assert_allclose(momentum, expected, rtol=1e-13)
+
+
 def test_compiled_code_settles_signals_as_their_singular_value_decomposition_does(monkeypatch):
     """A loop of formulas that are not linear, filters, a quotient, and a signal that depends on rates of signals."""
     prepared = prepare(

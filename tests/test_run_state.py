@@ -258,9 +258,8 @@ def test_restarts_at_samples_in_compiled_code_change_no_bit(text, compiled, monk
 
 
 def interrupt(integrator):
-    """Let Python look for signals of the process in each step, and enter the run again."""
+    """Let Python look for signals of the process in each step."""
     integrator.method.patience = 0.0
-    integrator.pause = lambda run: setattr(integrator.method.workspace, "held", None)
 
 
 def march_sampled(checked, disturb=lambda integrator: None):

@@ -34,6 +34,7 @@ SIGNALS = fields(
 )
 EVALUATIONS, MOST_KEPT, SLOW = 5, 4, 0.1  # of J; iterations with one J; factor by which each reduces the correction
 TOLERANCE = 1e-13  # of the signals
+JUMP = 1e-9  # of a signal: a greater change of one that has converged is a jump
 LEAST_PIVOT = 1e-8  # of its terms, which cancel: signals.py decides whether the equations are singular
 
 
@@ -59,12 +60,17 @@ def solve_at_once(signals: Records(SIGNALS), s_out: Instant) -> bool:
 
 @kernel
 def solved(q, s):
-    """Solve the equations by Newton's method; return whether it converges, and leaves the J of the solution."""
+    """Solve the equations by Newton's method; return whether it converges, and leaves the J of the solution.
+
+    Just behind a jump of a law of the time, the last correction may be the rounding that carries the time over it.
+    """
     for _ in range(EVALUATIONS):
         if not factored(q, s):
             return False
         if corrected(q, s):
-            return factored(q, s)
+            find_change(q, s)
+            if largest_share(q, s) <= JUMP:
+                return factored(q, s)
     return False
 
 
@@ -130,18 +136,33 @@ def corrected(q, s):
 @kernel
 def correction(q, s):
     """Correct the signals once; return the largest change over its signal, or nan."""
-    n, system = q.n, items(q.system, 1, SYSTEM)
-    assemble_residual(residual_loops(q), system, s, 1.0, 0.0)
-    residual, r, own = floats(system[0].residual, q.n_all), floats(q.r, n), integers(q.own, n)
-    for i in range(n):
-        r[i] = residual[own[i]]
-    substitute(floats(q.factors, n * n), n, r)
-    states, largest = integers(q.states, n), 0.0
-    for i in range(n):
+    find_change(q, s)
+    r, own, states = floats(q.r, q.n), integers(q.own, q.n), integers(q.states, q.n)
+    for i in range(q.n):
         values = s.v if states[i] else s.z
         values[own[i]] -= r[i]
-        change = abs(r[i]) / max(abs(values[own[i]]), SMALL)
-        largest = change if not change <= largest else largest
+    return largest_share(q, s)
+
+
+@kernel
+def find_change(q, s):
+    """Write the change of the signals that follows from their residual into r (n,)."""
+    system, r, own = items(q.system, 1, SYSTEM), floats(q.r, q.n), integers(q.own, q.n)
+    assemble_residual(residual_loops(q), system, s, 1.0, 0.0)
+    residual = floats(system[0].residual, q.n_all)
+    for i in range(q.n):
+        r[i] = residual[own[i]]
+    substitute(floats(q.factors, q.n * q.n), q.n, r)
+
+
+@kernel
+def largest_share(q, s):
+    """Return the largest change in r over its signal, or nan."""
+    r, own, states, largest = floats(q.r, q.n), integers(q.own, q.n), integers(q.states, q.n), 0.0
+    for i in range(q.n):
+        value = s.v[own[i]] if states[i] else s.z[own[i]]
+        share = abs(r[i]) / max(abs(value), SMALL)
+        largest = share if not share <= largest else largest
     return largest
 
 

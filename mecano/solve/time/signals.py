@@ -39,6 +39,7 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
     equations = system.kept(_Equations)
     _solve(equations, s)
     reads_rates = _refuse_undetermined(equations, s)
+    _solve(equations, s)  # the last correction may be the rounding that carries the time over a jump of a law
     s.a[equations.own] = 0.0
     _find_rates(equations, s, dt)
     if reads_rates:
