@@ -15,12 +15,12 @@ from mecano.laws.table import breakpoints
 from mecano.schema import MOTION, Values
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import Remark
+    from mecano.deck.lint import LocatedWarning
 
 NEAR = 1e-9  # of a time, on both sides of which values and rates are compared
 
 
-def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
+def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
     """Yield (path, text) on prescribed motions that jump within a run.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements. A rate at the start is none: the
