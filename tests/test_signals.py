@@ -173,7 +173,7 @@ def rows(path):
 
 def test_a_limit_of_processor_time(folder, started):
     """That of batch systems: SIGXCPU every second from the soft limit on, SIGKILL at the hard one."""
-    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (3, 30))  # noqa: E731
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (2, 30))  # noqa: E731
     process = started("run", "deck.yaml", "--resume", "-q", first=limit)
     said = process.communicate(timeout=120)[1].decode()
     assert process.returncode == 152 and "stopped by SIGXCPU at t = " in said and "--resume" in said
