@@ -79,7 +79,7 @@ class InterruptedRun:
 
     def _changed_plugins(self):
         """Return the differences of the plugins from those of the run as text, "" if there are none."""
-        before, now = (json.loads(text) for text in (self.results.metadata.get("plugins", "{}"), plugins()))
+        before, now = (json.loads(text) for text in (self.results.metadata["plugins"], plugins()))
         was, has = ({one["sha256"]: source for source, one in found.items()} for found in (before, now))
         missing, other = ([of[key] for key in of if key not in rest] for of, rest in ((was, has), (has, was)))
         return ", ".join([*(f"{s} is missing or was changed" for s in missing), *(f"{s} is new" for s in other)])

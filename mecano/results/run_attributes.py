@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 TYPES = {
     "title": str, "deck_path": str, "started": str, "host": str, "version_mecano": str, "process": int, "threads": int,
+    "plugins": str,
 }  # fmt: skip
 ENDS = ("complete", "stopped", "failed", "running")  # stored as run/status
 
@@ -31,7 +32,7 @@ def read_attributes(group: "h5py.Group", reading: "Callable[[str], AbstractConte
             if type(found[name]) is not TYPES.get(name, type(found[name])):
                 raise TypeError(f"it is not a {'text' if TYPES[name] is str else 'whole number'}")
     with reading("run/plugins"):
-        _check_plugins(json.loads(found.get("plugins", "{}")))
+        _check_plugins(json.loads(found["plugins"]))
     return found
 
 
