@@ -110,7 +110,7 @@ class TestTheSameBits:
         assert sorted(os.listdir(tmp_path)) == [f".r.h5.{os.getppid()}.part", "r.h5"]
 
     def test_redundant_contacts_are_reported_of_once(self, tmp_path):
-        """What the march has found out is kept: here that four feet are one too many."""
+        """What the time integration has found out is kept: here that four feet are one too many."""
         run(deck(FOUR_FEET), tmp_path / "whole.h5")
         while stopped(deck(FOUR_FEET), tmp_path / "r.h5", 70):
             pass
@@ -461,7 +461,7 @@ class TestInterruption:
         assert capsys.readouterr() == ("", "")
 
     def test_a_signal_interrupts_a_long_call_of_a_library(self, listening):
-        """A call of the C library, in which Python runs no handlers, before the march and in it."""
+        """A call of the C library, in which Python runs no handlers, before the time integration and in it."""
         begun, sleep = time.monotonic(), ctypes.CDLL(None).sleep
         threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGHUP)).start()
         with pytest.raises(Stopped, match="by SIGHUP$") as error:

@@ -128,13 +128,13 @@ def test_extreme_numbers(tmp_path):
     assert extreme_numbers.not_finite(file_of()) == ""
     assert "x is not finite" in extreme_numbers.not_finite(file_of(x=np.array([1.0, np.nan])))
     chosen = ("rigid_body 'bar'", "mass")
-    assert extreme_numbers.told_of(None, chosen, file_of()) == ""
-    assert "exit code 3" in extreme_numbers.told_of(SimpleNamespace(exit_code=3), chosen, file_of())
-    assert "no time" in extreme_numbers.told_of(NonFiniteError("rigid_body 'bar'"), chosen, file_of())
-    assert "rigid_body is not named" in extreme_numbers.told_of(
+    assert extreme_numbers.reported_in(None, chosen, file_of()) == ""
+    assert "exit code 3" in extreme_numbers.reported_in(SimpleNamespace(exit_code=3), chosen, file_of())
+    assert "no time" in extreme_numbers.reported_in(NonFiniteError("rigid_body 'bar'"), chosen, file_of())
+    assert "rigid_body is not named" in extreme_numbers.reported_in(
         NonFiniteError("t = 0.1 s: beam 'b'"), chosen, file_of()
     )
-    assert extreme_numbers.told_of(NonFiniteError("t = 0.1 s: rigid_body 'bar'"), chosen, file_of()) == ""
+    assert extreme_numbers.reported_in(NonFiniteError("t = 0.1 s: rigid_body 'bar'"), chosen, file_of()) == ""
 
 
 REDUNDANT = "mobility         1\nredundant        3 constraint(s)\n  3 too many:\n    hinge 'a': x\n    hinge 'b': y\n"
@@ -178,7 +178,7 @@ def test_hard_decks():
 
 
 def test_rejected_steps_that_leave_something_are_seen(tmp_path, monkeypatch):
-    """A march whose state moves with each trial comes to another end."""
+    """A time integration whose state moves with each trial comes to another end."""
     (tmp_path / "deck.yaml").write_text(
         "mecano: 1\ngravity: [0, 0, -9.81]\nnodes: {a: {position: [0, 0, 1]}}\n"
         "elements: {m: {type: point_mass, node: a, mass: 1}}\ntime: {end: 0.1, step: 1e-2}\n"

@@ -37,7 +37,7 @@ RODS = """
 
 
 def struck(checked, rates):
-    """Return (march, state before, Shock) of all shocks at once at the start of a deck, with rates of joints."""
+    """Return (TimeIntegrator, state before, Shock) of all shocks at the start of a deck, with rates of joints."""
     prepared = prepare(checked)
     integrator, s = integrator_of(prepared), prepared.state
     s.memory = integrator.system.commit(s)

@@ -197,7 +197,7 @@ def test_error_follows_the_tolerance():
         errors.append(np.abs(pose(recorded) - wanted).max())
     assert all(fine < coarse for coarse, fine in zip(errors, errors[1:], strict=False))
     assert all(error < 10 * tolerance for error, tolerance in zip(errors, tolerances, strict=True))
-    assert errors[-1] > 1e-3 * tolerances[-1]  # a march far more accurate than asked would be a waste
+    assert errors[-1] > 1e-3 * tolerances[-1]  # steps far more accurate than asked would be a waste
 
 
 SMOOTH = (

@@ -29,7 +29,7 @@ def input_deck(name, *overrides):
 
 
 def in_python(integrator, run=None):
-    """Have every step of a march made by Python, where a test can interfere; returns the run."""
+    """Have every step of a time integration made by Python, where a test can interfere; returns the run."""
     integrator.ordinary = lambda run, stop: (run, None, True)
     return run
 

@@ -85,7 +85,7 @@ CASES = {
 
 
 def adaptive(name, tolerance, method="generalized_alpha", end=None):
-    """Return (march, error) of a deck with error control, up to ``end`` [s] if it is given."""
+    """Return (RecordedRun, error) of a deck with error control, up to ``end`` [s] if it is given."""
     case = CASES[name]
     end = end or case.end
     control = f"time={{end: {end}, step: {case.step}, method: {method}, adaptive: {{tolerance: {tolerance}}}}}"
@@ -94,7 +94,7 @@ def adaptive(name, tolerance, method="generalized_alpha", end=None):
 
 
 def fixed(name, h):
-    """Return (march, error) of a deck with fixed steps."""
+    """Return (RecordedRun, error) of a deck with fixed steps."""
     recorded = RecordedRun(input_deck(name, f"time={{end: {CASES[name].end}, step: {h}}}"))
     return recorded, CASES[name].error(recorded)
 

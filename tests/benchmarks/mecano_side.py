@@ -141,7 +141,7 @@ class Mecano:
         self.counts = None  # (accepted steps, Newton iterations) of the last run
 
     def integrate(self, *observers):
-        """March the whole duration; CPU time [s]."""
+        """Integrate over the whole duration; CPU time [s]."""
         integrator = integrator_of(self.prepared, observers)
         start = time.process_time()
         run = integrator.to(self.case.duration, integrator.begin(self.prepared.state, self.step))

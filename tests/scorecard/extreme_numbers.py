@@ -132,7 +132,7 @@ def injected(name, place, folder):
             run(checked, folder / "deck.h5")
     except MecanoError as error:
         outcome = error
-    return told_of(outcome, chosen[0] if chosen else None, held(folder / "deck.h5"))
+    return reported_in(outcome, chosen[0] if chosen else None, held(folder / "deck.h5"))
 
 
 def numbers_of(batch):
@@ -167,7 +167,7 @@ class after_steps:
         TimeIntegrator._advance, TimeIntegrator.ordinary = self.advance, self.ordinary
 
 
-def told_of(error, chosen, found):
+def reported_in(error, chosen, found):
     """Why a run has not ended as it may after NaN in ``chosen`` (name, field); ``error`` is what it raised, or None."""
     if isinstance(found, str):
         return f"the file cannot be read: {found}"

@@ -74,7 +74,7 @@ def spoiled(text, rng):
 
 
 def settings(rng):
-    """Options --set, seldom, with mutated values."""
+    """Options --set in some decks, with mutated values."""
     from scorecard.mutate import mutate
 
     if rng.random() > 0.15:
