@@ -5,7 +5,6 @@ All have the same keys: ``positions``, ``stiffness``, ``mass``, optionally ``dam
 texts in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
 """
 
-import hashlib
 import io
 import math
 import os
@@ -16,9 +15,9 @@ import numpy as np
 
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
-from mecano.deck.named_file import within
+from mecano.deck.named_file import bytes_of
 from mecano.deck.scope import INVALID, Invalid, Scope
-from mecano.deck.source import MAX_BYTES, decoded
+from mecano.deck.source import decoded
 from mecano.deck.values import LARGEST
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError
@@ -61,7 +60,7 @@ def _read(node, field, scope):
         return scope.refuse(node, f"file {quoted(name)} is one of Nastran", f"`mecano import {name}` converts it")
     if suffix not in READERS:
         return scope.refuse_value(node, field)
-    data = _bytes(name, node, scope)
+    data = bytes_of(name, node, scope)
     if data is None:
         return INVALID
     try:
@@ -71,26 +70,6 @@ def _read(node, field, scope):
         return INVALID
     except UNREADABLE as error:
         return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_one_line(error)}")
-
-
-def _bytes(name, node, scope):
-    """Return the bytes of a file in the folder of the deck or below it, or None after reporting the problem."""
-    path = within(name, node, scope)
-    if path is None:
-        return None
-    try:
-        if os.path.exists(path) and not os.path.isfile(path):
-            raise ValueError("it is not a regular file")
-        with open(path, "rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read: {getattr(error, 'strerror', None) or error}")
-        return None
-    if len(data) > MAX_BYTES:
-        scope.refuse(node, f"file {quoted(name)} is larger than {MAX_BYTES // 2**20} MiB")
-        return None
-    scope.files[name] = hashlib.sha256(data).hexdigest()
-    return data
 
 
 def _yaml(data, name, node, field, scope):
@@ -214,7 +193,7 @@ def _matrix(name, node, scope):
     if suffix not in (".mtx", ".npy"):
         scope.refuse(node, f"file {quoted(name)} must be .mtx (Matrix Market) or .npy (NumPy)")
         return None
-    data = _bytes(name, node, scope)
+    data = bytes_of(name, node, scope)
     if data is None:
         return None
     try:

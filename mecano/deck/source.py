@@ -102,6 +102,12 @@ def read_source(path: "str | os.PathLike[str]", file: str | None = None) -> tupl
 
     Raises Unreadable, or DeckError if the bytes are not valid UTF-8 text.
     """
+    data = read_bytes(path)
+    return decoded(data, str(path) if file is None else file), hashlib.sha256(data).hexdigest()
+
+
+def read_bytes(path: "str | os.PathLike[str]") -> bytes:
+    """Return the bytes of a file. Raises Unreadable."""
     if not is_utf8(path):
         raise Unreadable("its name is not UTF-8 text")  # results files name it as text
     try:
@@ -113,7 +119,7 @@ def read_source(path: "str | os.PathLike[str]", file: str | None = None) -> tupl
         raise Unreadable(getattr(error, "strerror", None) or str(error)) from None
     if len(data) > MAX_BYTES:
         raise Unreadable(f"it is larger than {MAX_BYTES // 2**20} MiB")
-    return decoded(data, str(path) if file is None else file), hashlib.sha256(data).hexdigest()
+    return data
 
 
 def decoded(data: bytes, file: str) -> Source:
