@@ -4,9 +4,9 @@ Numbers of reference/e1 of the project's collection: exact Reissner-Simo rods by
 """
 
 import numpy as np
+from equilibria import Equilibrium
 from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
-from static_solution import Equilibrium
 
 LEAST = (
     "EA: {EA}, GA2: {GA}, GA3: {GA}, GJ: {GJ}, EI2: {EI2}, EI3: {EI3}, mass_per_length: 1, rotary_inertia: [2, 1, 1]"

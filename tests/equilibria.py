@@ -1,10 +1,12 @@
 """Decks in equilibrium, for tests of statics and modes: paths in memory, and models with closed forms."""
 
 import numpy as np
+import scipy.sparse as sp
 from time_runs import deck
 
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import prepare
+from mecano.model.sampler import Sampler, StaticSample
 
 G = 9.81
 
@@ -106,3 +108,33 @@ def chain(process, links=8, span=1.0, length=1.2, mass=0.5):
     lines += ["elements:"] + [f"  m{i}: {{type: point_mass, node: p{i}, mass: {mass}}}" for i in range(1, links)]
     lines += ["joints:"] + [f"  r{i}: {{type: rigid_rod, nodes: [p{i}, p{i + 1}]}}" for i in range(links)]
     return "\n".join([*lines, process])
+
+
+class Equilibrium:
+    """A deck with ``static`` at the end of its path; without loads, at its start."""
+
+    def __init__(self, text):
+        checked = deck(text)
+        prepared = prepare(checked)
+        self.system, self.state = prepared.system, prepared.state
+        if checked.values["loads"]:
+            self.state = follow(prepared).point.state
+
+    def tangent(self, cK=1.0, cM=0.0):
+        """cK K + cM M (n, n), by material variations."""
+        system, n = self.system, self.system.n
+        data = system.assemble(self.state, cK=cK, cM=cM).data
+        return sp.csr_matrix((data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
+
+    def position(self, name):
+        """Position (3,) of a node."""
+        i = [node.name for node in self.system.nodes].index(name)
+        first = self.system.numbering.x[i]
+        return self.state.z[first : first + 3].copy()
+
+    def output(self, path):
+        """An output."""
+        sampler = Sampler(self.system)
+        row = sampler.take(StaticSample(self.state), self.system.observe(self.state))
+        c = next(column for column in sampler.columns if column.path == path)
+        return row[c.start : c.start + c.size].copy()

@@ -18,10 +18,10 @@ from beam_cases import (
     straight,
     torque_buckling,
 )
+from equilibria import Equilibrium
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
-from static_solution import Equilibrium
 from time_runs import deck, input_deck
 
 from mecano.analyses.equilibria import follow

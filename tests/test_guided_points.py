@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
+from equilibria import Equilibrium
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
-from static_solution import Equilibrium
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from equilibria import Path
+from equilibria import Equilibrium, Path
 from scipy.integrate import quad
 from scipy.optimize import brentq
-from static_solution import Equilibrium
 from time_runs import RecordedRun, input_deck
 
 from mecano.errors import ConvergenceError, DeckError

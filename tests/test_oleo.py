@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from equilibria import Equilibrium
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
-from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
 from mecano.analyses.dynamic import run

@@ -1,7 +1,7 @@
 """Rigid stops, flanks of gears and contacts that close on the way to an equilibrium hold where they are met."""
 
 import pytest
-from static_solution import Equilibrium
+from equilibria import Equilibrium
 
 DECK = """
     mecano: 1
