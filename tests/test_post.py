@@ -735,6 +735,18 @@ def test_units_suit_the_numbers(unit, largest, factor, shown):
     assert (math.isclose(found, factor, rel_tol=1e-12), text) == (True, shown)
 
 
+@pytest.mark.parametrize(
+    ("label", "unit", "shown"),
+    [
+        ("wire: strain", "", "wire: strain"),
+        ("tire: force in the ground", "kN", "tire:\nforce in the ground [kN]"),
+        ("tire: lateral displacement of the patch", "mm", "tire:\nlateral displacement of the\npatch [mm]"),
+    ],
+)
+def test_long_labels_have_several_lines(label, unit, shown):
+    assert style.with_unit(label, unit) == shown
+
+
 def test_a_peak_without_a_unit_is_reported_without_a_gap(runs):
     (ratio,) = find(runs[0].results, "one_wheel.friction_coefficient")
     panel = Panel("friction", (Curve(time_of(ratio), ratio, 0, "one_wheel"),), peak=(0.5, 1.25))

@@ -86,9 +86,9 @@ def with_unit(label: str, unit: str) -> str:
     text = f"{label} [{unit}]" if unit else label
     if len(text) <= LONGEST_LABEL:
         return text
-    owner, colon, what = text.partition(": ")
+    owner, colon, what = label.partition(": ")
     if colon:
-        return f"{owner}:\n{what}"
+        return f"{owner}:\n{with_unit(what, unit)}"
     lines = wrap(label, LONGEST_LABEL, break_long_words=False)
     if not unit:
         return "\n".join(lines)
