@@ -423,6 +423,16 @@ def test_a_step_without_error_does_not_stretch_a_logarithmic_axis(runs):
     assert 1e-15 < ax.get_ylim()[0] < 1e-3
 
 
+def test_forces_that_are_rounding_errors_beside_the_energy_are_not_shown(runs):
+    """Those of bearings of balanced rotors, if the model has no others."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    energy = max(abs(e.maximum) for e in runs[0].results.extremes.values() if e.unit == "J")
+    shape = force.values / np.abs(force.values).max()
+    for size, shown in ((1e-14, 0), (1e-6, 1)):
+        small = replace(force, values=size * energy / runs[0].scales["m"] * shape)
+        assert len(worth_showing([Panel("force", (Curve(force, small, 0, "a"),))], runs)) == shown
+
+
 def test_a_moment_that_is_nothing_beside_the_forces_is_not_shown(runs):
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     panels = [Panel("force", (Curve(force, force, 0, "a"),))]

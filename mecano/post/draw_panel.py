@@ -34,6 +34,7 @@ LINE, WIDER = 1.3, 0.9  # points
 MOST_COVERING = 3
 ALIKE = 0.01  # of the span of the axes: curves that differ by less cover each other
 WIDTH = 3.7  # inches, of most axes
+MOST_NUMBERS = 6  # intervals between those below a panel: with signs and decimals more of them touch one another
 MANY = 500  # with more values, steps are drawn with thinner lines
 
 
@@ -132,6 +133,8 @@ def _scales(ax, panel, x_factor, y_factor):
         times = _all(panel, "x") / x_factor
         if np.ptp(times) > 0.0:
             ax.set_xlim(times.min(), times.max())
+    elif not panel.decades:
+        ax.locator_params(axis="x", nbins=MOST_NUMBERS)
 
 
 def _note(ax, panel, factor, unit):

@@ -70,6 +70,8 @@ def worth_showing(panels: Sequence[Panel], runs: "Sequence[Run]") -> list[Panel]
         scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
     left = max((run.force_noise for run in runs), default=0.0)
     least = {unit: max(NOTHING, left if unit in ("N", "N m") else 0.0) * size for unit, size in scale.items()}
+    for unit, size in (item for run in runs for item in run.rounding.items() if item[0] in least):
+        least[unit] = max(least[unit], size)
     kept = []
     for panel in panels:
         curves = tuple(c for c in panel.curves if largest(c.y.values) > least[c.y.unit])

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
+ROUNDING = 1e-12  # of the largest energy: work of a force of rounding errors over the size of the mechanism
 NOISE = 10.0  # times its tolerance: residual forces of Newton's iteration and of step errors
 HEADED = ("title",)  # overrides shown in the heading of pictures
 
@@ -88,6 +89,13 @@ class Run:
         """Share of the largest force or moment below which a force is noise of Newton's iteration."""
         newton = (self.deck.get("time") or self.deck.get("static") or {}).get("newton", {})
         return NOISE * newton.get("force_tolerance", 0.0)
+
+    @cached_property
+    def rounding(self) -> dict[str, float]:
+        """Forces and moments by unit that are rounding errors beside the energy of the motion."""
+        energies = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "J"]
+        moment = ROUNDING * max(filter(np.isfinite, energies), default=0.0)
+        return {"N m": moment, "N": moment / self.scales["m"] if self.scales["m"] else 0.0}
 
     @property
     def title(self) -> str:
