@@ -55,16 +55,19 @@ PLOTS = {
     "yo_yo_despin": "axle.rate",
 }
 FILMS = (
-    "andrews", "ball_in_pipe", "ball_on_turntable", "beam_spin_up", "belt_drive", "bicycle", "block_and_tackle",
-    "bricard", "cam", "cam_float", "car", "controlled_double_pendulum", "crane", "crosswind_landing",
-    "deployment_lock", "double_pendulum", "flat_follower", "flexible_pendulum", "flexible_ring",
-    "flexible_slider_crank", "flyball_governor", "four_bar", "gears", "heavy_top", "main_gear", "mecanum",
-    "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "panel_release", "paper_disc", "pendulum",
-    "reflector", "rocking_block", "rods", "rolling_disc", "ship_deck", "slider_crank", "snap_pin", "solar_array",
-    "spherical_pendulum", "stewart", "synchronised_panels", "twin_wheel_gear", "woodpecker", "yo_yo_despin",
+    "andrews", "ball_in_pipe", "ball_on_turntable", "beam_spin_up", "belt_drive", "bicycle", "billiards",
+    "block_and_tackle", "bricard", "cable_catch", "cam", "cam_float", "car", "caster_shimmy",
+    "controlled_double_pendulum", "crane", "crosswind_landing", "deployment_lock", "double_pendulum",
+    "ellipsoids", "flat_follower", "flexible_pendulum", "flexible_ring", "flexible_slider_crank",
+    "flyball_governor", "four_bar", "friction_pendulum", "gears", "gimbal", "heavy_top", "hoist", "main_gear",
+    "mecanum", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "panel_lock",
+    "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack", "reflector", "release", "rocking_block",
+    "rods", "rolling_disc", "rope_brake", "ship_deck", "sleigh", "slider_crank", "snap_pin", "solar_array",
+    "spherical_pendulum", "stewart", "superelement_arm", "synchronised_panels", "thruster",
+    "trailing_wheel_bump", "twin_wheel_gear", "tyre_drum", "wheel_drop", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
-FILM_WIDTH, FILM_STEP, FILM_QUALITY = 280, 4, 50  # pixels; every fourth frame
+FILM_SIZE, FILM_STEP, FILM_QUALITY = (280, 225), 4, 50  # pixels, at most; every fourth frame
 QUALITY = 70
 LOW = 0.35  # height over width, or its inverse, of a mechanism that leaves room for curves
 MOST_CURVES = 4
@@ -151,8 +154,9 @@ def draw_film(results, target):
     with Image.open(whole) as opened:
         frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(opened)][::FILM_STEP]
         duration = FILM_STEP * opened.info.get("duration", 1000 // 15)
-    height = round(FILM_WIDTH * frames[0].height / frames[0].width)
-    first, *others = [frame.resize((FILM_WIDTH, height), Image.Resampling.LANCZOS) for frame in frames]
+    size = np.array(frames[0].size)
+    small = tuple((size / max(size / FILM_SIZE)).round().astype(int).tolist())
+    first, *others = [frame.resize(small, Image.Resampling.LANCZOS) for frame in frames]
     first.save(target, save_all=True, append_images=others, duration=duration, loop=0, quality=FILM_QUALITY, method=6)
 
 
