@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from mecano.post.contact_outlines import LARGE, surface_outlines
+from mecano.post.shapes import Motion
 
 
 def plane(path, others=(), **plane):
@@ -63,3 +64,21 @@ def test_contacts_with_one_plane_share_its_outline():
     np.testing.assert_allclose(np.sort(first[0][:, 0]), (-room, 1.0 + room), atol=1e-12)
     assert not second
     np.testing.assert_allclose(np.sort(other[0][:, 0]), (1.0 - room, 1.0 + room), atol=1e-12)
+
+
+def test_a_path_on_a_table_that_turns_is_that_seen_from_the_table():
+    """A ball that the table carries round stays at its place, and one at rest runs round backwards."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 9)
+    turned = np.stack([np.cos(angle / 2.0), 0.0 * angle, 0.0 * angle, np.sin(angle / 2.0)], axis=1)
+    carried = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    centre = np.array([5.0, 0.0, 0.0])
+    values = {
+        "nodes/table/rotation": turned,
+        "nodes/table/position": np.tile(centre, (9, 1)),
+        "nodes/ball/position": centre + carried,
+        "nodes/still/position": np.tile(centre + [1.0, 0.0, 0.0], (9, 1)),
+    }
+    motion = object.__new__(Motion)
+    motion.run = SimpleNamespace(results=SimpleNamespace(find=lambda path: SimpleNamespace(values=values[path])))
+    np.testing.assert_allclose(motion.path_from("table", "ball"), np.tile([1.0, 0.0, 0.0], (9, 1)), atol=1e-15)
+    np.testing.assert_allclose(motion.path_from("table", "still"), carried * (1.0, -1.0, 1.0), atol=1e-15)

@@ -63,8 +63,7 @@ def _path(motion, a, b, places):
     """Return the positions (n, 3) of node b at all times, as seen from a node a that is not the ground."""
     if b not in motion.nodes:
         return places[b][None]
-    path = motion.path(b)
-    return path if a not in motion.nodes else path - motion.path(a) + places[a]
+    return motion.path(b) if a not in motion.nodes else motion.path_from(a, b) + places[a]
 
 
 def _in_plane(motion, d, places):

@@ -62,6 +62,10 @@ class ModeMotion:
         """Return the positions (phases, 3) [m] of a node."""
         return self.position(node)
 
+    def path_from(self, node: str, other: str) -> np.ndarray:
+        """Return the positions (phases, 3) [m] of the ``other`` node relative to a node, whose rotation is small."""
+        return self.position(other) - self.position(node)
+
     def apart(self, nodes: Sequence[str], points: np.ndarray) -> bool:
         """Return whether nodes with ``points`` (phases, nodes, 3) [m] are apart at any phase."""
         return apart(points)

@@ -71,6 +71,15 @@ class Motion:
         """Return the positions (saved times, 3) [m] of a node at all saved times."""
         return self.run.results.find(f"nodes/{node}/position").values
 
+    def path_from(self, node: str, other: str) -> np.ndarray:
+        """Return the positions (saved times, 3) [m] of the ``other`` node as seen from a node, relative to it.
+
+        They are in inertial axes of the start, when the node has not turned yet.
+        """
+        turned = self.run.results.find(f"nodes/{node}/rotation").values
+        material = _rotated(turned * (1, -1, -1, -1), self.path(other) - self.path(node))
+        return _rotated(np.broadcast_to(turned[0], turned.shape), material)
+
     def vector(self, path: str) -> np.ndarray:
         """Return an output (instants, ...) of the file."""
         if isinstance(self.rows, slice):
