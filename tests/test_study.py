@@ -553,6 +553,8 @@ def test_an_output_that_a_case_lacks_leaves_the_others(folder):
         results_samples.append(writer, 2)
     table.take(found.cases[0], Record(COMPLETE, 0))
     assert table.numbers == {1: {"end": results_samples.rows_of(2)[11]}} and table.units == {"end": "rad"}
+    [memory] = (column for column in table._columns() if column.name == "memory")
+    assert np.isnan(memory.values).all(), "it was not measured"
 
 
 def test_counts_have_whole_ticks():

@@ -32,7 +32,7 @@ ENDED = (
     ("exit_code", "", "exit code of the process; negative: the signal that ended it"),
     ("processor_time", "s", "processor time of all processes of the case"),
     ("wall_time", "s", "wall-clock time"),
-    ("memory", "MB", "peak memory"),
+    ("memory", "MB", "peak memory; missing if the case ended before it was measured"),
 )
 VERDICT = "pass: all outputs of a complete case are within their limits; fail: some are not"
 BEYOND = "outputs of a complete case that are beyond their limits, or missing"
@@ -97,7 +97,8 @@ class Table:
             yield column("parameters", path, self.varied.get(path, ""), "value of the deck", varied)
         for name, unit, doc in ENDED:
             reported = [getattr(record, name) for record in records]
-            yield column("case", name, unit, doc, [v / 1e6 for v in reported] if unit == "MB" else reported)
+            measured = [v / 1e6 or None for v in reported] if unit == "MB" else reported  # 0: ended before that
+            yield column("case", name, unit, doc, measured)
         for output in self.study.outputs:
             numbers = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
             yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, numbers, output.limits)
