@@ -24,7 +24,7 @@ def heights_in_air(system: "System", s: "State") -> dict[str, float]:
         depths, air = batch.events(values)[:, events.index(TOUCH_DOWN)], batch.kind.phases.index(AIR)
         for name, phase, depth in zip(batch.names, s.phases[batch.phases], depths, strict=True):
             if phase == air:
-                found[name] = max(-float(depth), 0.0)
+                found[name] = max(0.0, -float(depth))
     return found
 
 

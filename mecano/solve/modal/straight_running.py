@@ -25,6 +25,18 @@ if TYPE_CHECKING:
 
 STEADY = 1e-6  # largest relative change of forces per radian or length scale
 DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
+ALONG = (
+    "along",
+    ("backward", "forward"),
+    "causes are toe, rolling resistance, drag, loads or a slope; a drive that controls the speed balances them if it "
+    "has an integrator, as in docs/tyres.md",
+)
+ACROSS = (
+    "across",
+    ("to the right", "to the left"),
+    "wheels that lean or toe to one side, and loads, push the vehicle aside: let it be symmetric, or hold it by a "
+    "joint, such as a prescribed_position",
+)
 SHARE, MOST_NAMES = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
 
 
@@ -134,18 +146,30 @@ class Straight:
         return np.abs(K @ v) / steady.root, STEADY * float((at.size / steady.root).max(initial=0.0)) * rate
 
     def cause_of_imbalance(self, steady: "Steady", s: "State", at: "Tangent") -> str:
-        """Return a sentence on the sum of all forces along the road, if it is the largest; reactions have none."""
+        """Return sentences on the sums of all forces along and across the road, if large; reactions have none."""
         way = self.V / (np.linalg.norm(self.V) or 1.0)
-        drag = float(way @ at.f[self.free].sum(axis=0))
-        if abs(drag) < DRAG * at.force:
-            return ""
-        shares: dict[str, float] = {}  # of the force along the road
+        across = np.cross(way, steady.system.context.gravity)
+        across /= np.linalg.norm(across) or 1.0
+        total, alone = at.f[self.free].sum(axis=0), None
+        texts = []
+        for direction, *words in ((way, *ALONG), (across, *ACROSS)):
+            left = float(direction @ total)
+            if abs(left) > DRAG * at.force:
+                alone = self._sums(steady, s) if alone is None else alone
+                texts.append(_imbalance(left, {name: float(direction @ f) for name, f in alone.items()}, *words))
+        return "".join(texts)
+
+    def _sums(self, steady, s):
+        """Return {name of an element: sum (3,) of its forces [N]}."""
+        sums: dict[str, np.ndarray] = {}
         for name, alone in steady.system.each_alone(s):
-            shares[name] = shares.get(name, 0.0) + float(way @ alone.residual[: self.n_q][self.free].sum(axis=0))
-        largest = sorted((name for name in shares if shares[name] * drag > 0.0), key=lambda name: -abs(shares[name]))
-        causes = [f"{name} {abs(shares[name]):.3g} N" for name in largest if abs(shares[name]) > SHARE * abs(drag)]
-        return (
-            f"\nalong the road some {abs(drag):.3g} N remain {'backward' if drag > 0.0 else 'forward'}: "
-            f"{name_list(causes, MOST_NAMES)}; causes are toe, rolling resistance, drag, loads or a slope; a drive "
-            "that controls the speed balances them if it has an integrator, as in docs/tyres.md"
-        )
+            sums[name] = sums.get(name, 0.0) + alone.residual[: self.n_q][self.free].sum(axis=0)
+        return sums
+
+
+def _imbalance(left, shares, place, sides, remedy):
+    """Return a sentence on a sum ``left`` [N] of residuals, and the elements with the largest ``shares`` in it."""
+    alike = sorted((name for name in shares if shares[name] * left > 0.0), key=lambda name: -abs(shares[name]))
+    causes = [f"{name} {abs(shares[name]):.3g} N" for name in alike if abs(shares[name]) > SHARE * abs(left)]
+    named, side = name_list(causes, MOST_NAMES), sides[left < 0.0]
+    return f"\n{place} the road some {abs(left):.3g} N remain {side}: {named}; {remedy}"
