@@ -705,6 +705,16 @@ def test_units_of_a_sweep_are_checked_as_those_of_the_deck(values):
         sweep(INPUTS / "caster_shimmy.yaml", (), [values])
 
 
+@pytest.mark.parametrize(("varied", "unit"), [("speed", "m/s"), ("elements.rim.mass", "kg"), ("damping", "N m s/rad")])
+def test_units_of_a_sweep_are_those_of_the_deck_and_of_its_files(varied, unit, tmp_path):
+    """Of values without a unit, for the table, the file and its picture."""
+    text = (INPUTS / "caster_shimmy.yaml").read_text().replace("speed: 20.0 m/s", "speed: 72 km/h")
+    (tmp_path / "caster.yaml").write_text(text)
+    (tmp_path / "variant.yaml").write_text("include: caster.yaml\n")
+    (axis,) = sweep(tmp_path / "variant.yaml", (), [f"{varied}=10,20"]).axes
+    assert axis.unit == unit and axis.values.tolist() == [10.0, 20.0]
+
+
 def test_modes_that_cross_keep_their_shapes():
     """Two eigenvalues that pass one another, and a pair that parts into two real ones."""
     places = np.linspace(0.0, 1.0, 12)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -24,6 +24,7 @@ from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
+from mecano.deck.unit_of import unit_of, written_parameters
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
@@ -193,6 +194,7 @@ def sweep(
     if len(axes) == 2 and axes[0].path == axes[1].path:
         raise UsageError(f"both sweeps are over '{axes[0].name}'")
     case.units = {axis.path: axis.unit for axis in axes}
+    axes = _with_units(axes, deck)
     others = [()] if len(axes) == 1 else [((axes[1].path, float(value)),) for value in axes[1].values]
     first, total = axes[0], len(axes[0].values) * len(others)
     found = []
@@ -205,6 +207,12 @@ def sweep(
     residuals = [case.residuals[state] for state in states if state in case.residuals]
     warnings = [*case.counted_warnings(states), *accuracy_warnings(case.variation, residuals)]
     return Sweep(axes, found, warnings, case.about, deck, rotor, tuple(orders) if rotor else ())
+
+
+def _with_units(axes, deck):
+    """Return the axes with the units that the deck gives to their values, if they are written without one."""
+    written = written_parameters(deck)
+    return tuple(replace(a, unit=a.unit or unit_of(a.path, deck.values, [written.get(a.path)])) for a in axes)
 
 
 def _check_rotor(rotor, deck, texts):

@@ -19,7 +19,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 class Axis:
     """A number of the deck and its values in a sweep: ``path`` as in ``--set``, ``name`` for display.
 
-    ``unit`` is the SI unit of values that are written with a unit, else "".
+    ``unit`` is their SI unit as far as sweep or deck give one, else "".
     """
 
     path: str

@@ -1,7 +1,8 @@
 """SI unit of a number in a deck, named by its path, if known."""
 
 from collections.abc import Iterable
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from mecano.deck.compose import compose
 from mecano.deck.sections import SECTIONS
@@ -13,6 +14,10 @@ from mecano.laws import TERMS
 from mecano.laws.term import VALUE
 from mecano.schema import Values, mapping
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+
+DECKS = ".yaml", ".yml"
 EITHER = ("either", "shorthand")  # types of which the first option is another type
 LAWS = ("law", "curve", "drive", "law_in_place")
 SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
@@ -33,6 +38,16 @@ def parameters_of(file: str, text: str) -> dict[str, Any]:
     _, section = root.value.get("parameters", (None, None)) if root else (None, None)
     written = section.value if section and type(section.value) is dict else {}
     return {f"parameters.{name}": node.value for name, (_, node) in written.items()}
+
+
+def written_parameters(deck: "Deck") -> dict[str, Any]:
+    """Return {path: value} of the parameters as written in a checked Deck and in the files that it includes."""
+    written: dict[str, Any] = {}
+    for name in deck.files:
+        source = Path(deck.file).parent / name
+        if source.suffix in DECKS and source.exists():
+            written |= parameters_of(str(source), source.read_text(encoding="utf-8"))
+    return written | parameters_of(deck.file, deck.text)
 
 
 def _declared(keys, values):

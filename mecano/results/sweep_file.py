@@ -82,7 +82,7 @@ class SweepFile:
     speed: np.ndarray | None = None  # (n,) [rad/s] of the rotor
     orders: tuple[float, ...] = ()  # multiples of its speed
     resonances: dict[str, np.ndarray] | None = None  # name -> (r,)
-    units: tuple[str, ...] = ()  # SI units of values of --sweep that are written with units, else ""
+    units: tuple[str, ...] = ()  # SI units of values, as far as sweep or deck give them, else ""
 
 
 def write_sweep(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
