@@ -567,6 +567,15 @@ def test_counts_have_whole_ticks():
     assert [tick for tick in ax.get_yticks() if np.prod(np.array(ax.get_ylim()) - tick) <= 0.0] == [4.0]
 
 
+def test_rounding_of_an_output_does_not_fill_its_panel():
+    """The angle at which latches hold, which differs in the last digits."""
+    status, varied = Column("case", "status", "", "", np.array(["complete"] * 3)), np.array([1.0, 2.0, 3.0])
+    angle = Column("outputs", "angle", "rad", "", 1.5 + np.array([0.0, 3e-13, -2e-13]))
+    columns = (status, Column("parameters", "parameters.friction", "N m", "", varied), angle)
+    [ax] = study_figure(StudyTable("", "", "", columns)).axes
+    assert ax.get_ylim() == pytest.approx((1.35, 1.65), rel=1e-9)
+
+
 def test_varied_values_of_one_key_differ_in_pictures():
     """And the numbers below a panel do not touch one another."""
     values = {

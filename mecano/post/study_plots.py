@@ -11,7 +11,7 @@ from mecano.post.figure import plain_figure
 from mecano.post.page_layout import columns_of, height_of_row, rows_of
 from mecano.post.study_bars import bar_figure
 from mecano.post.study_outputs import displayed_outputs, near_limits, study_unit
-from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, with_unit
+from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, range_of, with_unit
 from mecano.post.value_labels import legible
 from mecano.results.study_file import Column, StudyTable
 
@@ -108,8 +108,11 @@ def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, j
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
-    for limit in near_limits(output):
-        ax.axhline(limit / factor, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
+    limits = np.array(near_limits(output)) / factor
+    for limit in limits:
+        ax.axhline(limit, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
+    if constant := range_of(np.concatenate([output.values / factor, limits])):
+        ax.set_ylim(*constant)
     if len(groups) > 1 and title:
         columns = max(1, min(4, IN_A_ROW // max(len(label) + 4 for label, _ in groups)))
         ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, fontsize=7, title_fontsize=7,
