@@ -92,6 +92,13 @@ def test_problems_point_into_the_table(tmp_path, data, place, text):
     assert problem.message.removeprefix("force 'push': ") == text
 
 
+def test_a_decimal_comma_is_told_from_a_word(tmp_path):
+    with pytest.raises(DeckError) as info:
+        read_table(tmp_path, "0;0\n1;-1,5e3\n2;two\n")
+    hints = [problem.hint for problem in info.value.problems]
+    assert hints == ["a decimal point, not a comma: -1.5e3", ""]
+
+
 def test_several_problems_of_one_table(tmp_path):
     with pytest.raises(DeckError) as info:
         read_table(tmp_path, "0,0\nx,1\n2,y\n3\n")

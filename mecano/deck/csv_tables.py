@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?", re.DOTALL)
 MOST_COLUMNS = 10_000
+DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
 
@@ -213,7 +214,10 @@ class _Reading:
             value = number(cell)
             if value is None or not in_range(value):
                 place = Node(None, self.source, line, max(self.source.lines[line].find(cell), 0))
-                self.scope.refuse(place, f"must be a finite number, got {quoted(cell)}")
+                hint = (
+                    f"a decimal point, not a comma: {cell.replace(',', '.')}" if DECIMAL_COMMA.fullmatch(cell) else ""
+                )
+                self.scope.refuse(place, f"must be a finite number, got {quoted(cell)}", hint)
                 return None
             point.append(float(value) * factor)
         return point

@@ -24,6 +24,7 @@ MEANT = {  # terms by other names
     "coulomb": "dry_friction", "gap": "dead_band", "free_play": "dead_band", "backlash": "dead_band",
     "force": "preload", "pulse": "bump", "spline": "table",
 }  # fmt: skip
+CURVES = {"spring": "a force in proportion to it is {linear: {slope: ...}}"}  # hints where a curve is required
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
@@ -77,7 +78,9 @@ def _term(name, key, node, field, scope):
         return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
     if not fits(term, field.type.name):
         return scope.refuse(
-            key, f"{quoted(name)} is a force of extension and rate; {field.type.expects} is required here"
+            key,
+            f"{quoted(name)} is a force of extension and rate; {field.type.expects} is required here",
+            CURVES.get(name, ""),
         )
     scope.owner = key
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
