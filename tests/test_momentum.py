@@ -88,3 +88,12 @@ def test_results_of_another_deck_are_refused(deck, text, tmp_path, monkeypatch):
     CliRunner().invoke(commands, ["example", deck])
     with pytest.raises(mecano.MecanoError, match=text):
         mecano.momentum(f"{deck}.yaml", "bar.h5")
+
+
+def test_results_of_other_masses_are_refused(tmp_path):
+    """Nothing but the deck has them: the momentum would be that of another model. Times of the run do not matter."""
+    path = tmp_path / "bar.h5"
+    mecano.run(FALLING, path, quiet=True, set={"time.end": 0.01}).close()
+    assert mecano.momentum(FALLING, path).mass > 0.0
+    with pytest.raises(mecano.MecanoError, match="it has sections.rod.density: 8000.0 instead of 800.0; give the deck"):
+        mecano.momentum(FALLING, path, set={"sections.rod.density": 800})

@@ -12,6 +12,7 @@ In the same way, unit accelerations of all nodes give mass and centre of mass. F
 member between a fixed and a free node moves.
 """
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -20,13 +21,20 @@ import numpy as np
 
 from mecano.analyses.load_state import motions_in
 from mecano.analyses.prepare import prepare
-from mecano.errors import UsageError
+from mecano.analyses.resume import MOST, differences
+from mecano.errors import UsageError, name_list
 from mecano.post.text_table import aligned
+from mecano.results.opening import errors_as_damage
+from mecano.results.provenance import to_json
+from mecano.results.reader import open_results
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
     from mecano.model.state import State
     from mecano.model.system import System
+
+
+WITH_MASSES = ("elements", "sections")  # of a deck
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,15 +61,27 @@ def momentum(deck: "Deck", results: str, about: Sequence[float] = (0.0, 0.0, 0.0
     """Return the Momentum of a dynamic run of a checked deck; ``results`` is the path of its file.
 
     ``about`` [m] is the point to which the angular momentum refers. Raises the errors of ``mecano check``, ResultsError
-    if the results do not belong to the deck or lack some of its unknowns, and UsageError for statics.
+    if the results do not belong to the deck or lack some of its unknowns, and UsageError for statics and if masses may
+    differ from those of the run.
     """
     x, y, z = point = np.array(about, float)
     if not np.isfinite(point).all():
         raise UsageError(f"about={list(about)}: an inertial point, such as 0,0,1.5 [m]")
     prepared = prepare(deck)
     found = [(s.t, *_momentum(prepared.system, s, point)) for s in motions_in(prepared, results)]
+    _refuse_other_masses(deck, results)
     time, mass, center, linear, angular = (np.array(values) for values in zip(*found, strict=True))
     return Momentum(time, float(mass[0]), center, linear, angular, (float(x), float(y), float(z)))
+
+
+def _refuse_other_masses(deck, path):
+    """Raise UsageError if the run was that of a deck with other elements or cross sections, whose masses may differ."""
+    with errors_as_damage(path), open_results(path) as results:
+        was, now = results.resolved, json.loads(to_json(deck.resolved()))
+    found = [one for section in WITH_MASSES for one in differences(was.get(section), now.get(section), section)]
+    if found:
+        listed = name_list(found, MOST, "; ")
+        raise UsageError(f"{path} is the run of another deck: it has {listed}; give the deck and the --set of the run")
 
 
 def _momentum(system: "System", s: "State", o: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:

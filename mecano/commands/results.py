@@ -250,7 +250,7 @@ def momentum(
     """Compute linear and angular momentum, mass and centre of mass at the saved times of a run of DECK.
 
     Without loads, and without joints to the ground, the momentum is constant; its largest change is then an error of
-    the run. Give the same --set as for the run.
+    the run. Give the same --set as for the run: other masses are refused.
     """
     from mecano.analyses.momentum import momentum as find
     from mecano.analyses.momentum import rows
