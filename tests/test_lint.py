@@ -227,6 +227,16 @@ def test_beams_much_wider_than_long(width, said):
     assert found == [] if not said else f"beam 'line': {said}" in found[0]
 
 
+@pytest.mark.parametrize(("inertia", "said"), [(450, "has a radius of gyration of 10.6 m: are mass"), (0.45, "")])
+def test_beams_with_the_rotary_inertia_of_something_wider(inertia, said):
+    """Of 4 kg/m: sqrt(450/4) m."""
+    section = "rod: {type: stiffness, EA: 1e6, GA2: 1e6, GA3: 1e6, GJ: 100, EI2: 100, EI3: 100, mass_per_length: 4, "
+    section += f"rotary_inertia: [{inertia}, 0.01, {inertia}]}}"
+    whole = HEAD.partition("      rope")[0] + "      line: {type: beam, nodes: [a, b], section: rod, up: [0, 0, 1]}\n"
+    found = warned(f"{whole}    sections: {{{section}}}\n")
+    assert found == [] if not said else said in found[0]
+
+
 BEAM = """      line: {type: beam, nodes: [a, b], section: rod, mesh: 2}
     sections: {rod: {type: circle, diameter: 0.1, E: 2.1e11, nu: 0.3, density: 7800}}
     joints:
@@ -652,6 +662,8 @@ SIZE = (
     [
         ("tire_laws.rubber.radial_damping=80", "'radial_damping' multiplies the radial force by 81 at 1 m/s"),
         ("tire_laws.rubber.radial_damping=0.5", ""),
+        ("tire_laws.rubber.slip_regularization=100", "'slip_regularization' is 100 m/s: the tyre has its friction at"),
+        ("tire_laws.rubber.slip_regularization=2", ""),
         (f"tire_laws.rubber={{{SIZE}, load: 48}}}}", "'smiley_horne.load' of 48 N deflects the tyre by 0.00013 of its"),
         (f"tire_laws.rubber={{{SIZE}, load: 48 kN}}}}", ""),
     ],

@@ -40,6 +40,7 @@ MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one mean
 }
 
 
+LARGEST_REGULARIZATION = 10.0  # m/s, of the friction of a tyre
 LARGEST_DAMPING = 10.0  # s/m, of a tyre
 LEAST_DEFLECTION = 0.01  # of the diameter of a tyre under its load
 FASTEST = 3e4  # m/s, speed of waves along a rod
@@ -274,6 +275,9 @@ def _in_other_units(d):
     if (damping := d.get("radial_damping", 0.0)) > LARGEST_DAMPING:
         text = f"'radial_damping' multiplies the radial force by {1.0 + damping:.3g} at 1 m/s; a tyre has some 0.1 s/m"
         yield ("radial_damping",), text
+    if (slip := d.get("slip_regularization") or 0.0) > LARGEST_REGULARIZATION:
+        text = f"'slip_regularization' is {slip:g} m/s: the tyre has its friction at larger slip speeds only"
+        yield ("slip_regularization",), f"{text}; is it in mm/s?"
     if (size := d.get("smiley_horne")) and size["deflection"] < LEAST_DEFLECTION * size["diameter"]:
         share = size["deflection"] / size["diameter"]
         text = f"'smiley_horne.load' of {size['load']:g} N deflects the tyre by {share:.2g} of its diameter"

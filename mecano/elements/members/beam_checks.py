@@ -67,11 +67,17 @@ def _stout(slenderness):
 
 
 def _wide(section, length):
-    """Return a warning about a beam much shorter than its section is wide, by its outermost fibres."""
+    """Return a warning about a beam much shorter than its section is wide, by its fibres or by its rotary inertia."""
     width = 2.0 * float(np.abs(section.points).max(initial=0.0))
-    if length >= WIDE * width:
+    if length < WIDE * width:
+        return [f"it is {length:.3g} m long and {width:.3g} m wide: are the dimensions of the 'section' in m?"]
+    radius = float(np.sqrt(np.linalg.eigvalsh(section.J)[-1] / section.mass))
+    if length >= radius:
         return []
-    return [f"it is {length:.3g} m long and {width:.3g} m wide: are the dimensions of the 'section' in m?"]
+    return [
+        f"it is {length:.3g} m long, and the rotary inertia of its section has a radius of gyration of {radius:.3g} m: "
+        "are mass and inertia per length in kg/m and kg m?"
+    ]
 
 
 def _hanging(d, nodes):
