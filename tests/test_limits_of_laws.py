@@ -80,3 +80,33 @@ def test_strains_beyond_linear_elasticity(kind, strain, said, tmp_path):
     assert len(found) == bool(said)
     assert not said or said in found[0]
     assert ("(and 2 more beyond it)" in "".join(found)) == ("beam" in kind and bool(said))
+
+
+ROTOR = """
+elements: {rotor: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}}
+joints:
+  hinge:
+    {type: hinge, nodes: [ground, b], axis: [0, 0, 1],
+     turning_law: {dry_friction: {force: 0.5, regularization: REGULARIZATION}}}
+loads: {motor: {type: joint_moment, joint: hinge, value: MOMENT}}
+initial: {velocities: [{nodes: [b], angular_velocity: [0, 0, SPEED]}]}
+time: {end: 0.5, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("regularization", "moment", "speed", "said"),
+    [
+        (2.0, 0.0, 1.0, "at up to 1 rad/s, below the 'regularization' of 2 rad/s, braked as by a damper"),
+        (0.01, 0.0, 1.0, ""),
+        (0.01, 0.4, 0.0, ""),  # it sticks, and creeps by 3 mrad
+    ],
+)
+def test_dry_friction_that_is_never_full(regularization, moment, speed, said, tmp_path):
+    values = {"REGULARIZATION": regularization, "MOMENT": moment, "SPEED": speed}
+    text = HEAD.replace("a: {position: [0, 0, 0], fixed: true}, ", "") + ROTOR
+    for name, value in values.items():
+        text = text.replace(name, str(value))
+    found = [one for one in warnings_of(text, tmp_path) if "dry friction" in one]
+    assert len(found) == bool(said)
+    assert not said or found[0].startswith("hinge 'hinge': its dry friction never reached") and said in found[0]

@@ -11,6 +11,7 @@ from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.errors import name_list
+from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 from mecano.results.energy_balance import EXCHANGED, energy_ranges, scale_of_balance
 
@@ -31,6 +32,11 @@ LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscil
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding errors
 ROUNDED_POSITIONS = 1e-15  # of the length scale, some times the rounding of numbers
 
+FAR_MOVED = 0.1  # rad, or length scales of the model: motions that are no creep
+LAWS = {  # fields of laws that may have dry friction: outputs of the coordinate
+    "law": ("extension", "angle"), "turning_law": ("angle",), "sliding_law": ("displacement",),
+}  # fmt: skip
+RATES = {"extension": "rate", "angle": "rate", "displacement": "velocity"}
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
 WRAPPED = 6.2  # rad: range of values above which an angle known within one turn only has jumped
@@ -249,3 +255,38 @@ def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler") -> It
             found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
     if found:
         yield f"{len(found)} of {len(latched)} latches never closed: {name_list(found, MOST_LATCHES, '; ')}"
+
+
+def undeveloped_friction_warnings(
+    deck: "Deck", sampler: "Sampler", extremes: "Extremes", length: float
+) -> Iterator[str]:
+    """Yield a warning for each dry friction that was always below its full value while its part moved far.
+
+    Below the rate of the regularization friction falls to zero, and what sticks creeps; what moves far does not stick:
+    its friction is that of a damper. ``length`` [m] is the length scale of the model.
+    """
+    units = {column.path: column.unit for column in sampler.columns}
+    for place, d, field, regularization in _frictions(deck):
+        coordinate = next((one for one in LAWS[field] if f"{place}/{one}" in units), None)
+        if coordinate is None:
+            continue
+        i, j = (sampler.starts[f"{place}/{output}"] for output in (coordinate, RATES[coordinate]))
+        unit, moved = units[f"{place}/{coordinate}"], extremes.high[i] - extremes.low[i]
+        fastest = max(extremes.high[j], -extremes.low[j])
+        if fastest < regularization and moved > FAR_MOVED * (1.0 if unit == "rad" else length):
+            yield (
+                f"{title_of(d['type'], place.partition('/')[2])}: its dry friction never reached its full value: it "
+                f"moved by {moved:.3g} {unit} at up to {fastest:.3g} {unit}/s, below the 'regularization' of "
+                f"{regularization:g} {unit}/s, braked as by a damper; use a much smaller one"
+            )
+
+
+def _frictions(deck):
+    """Yield (path, deck values, field of the law, regularization) of the dry frictions of a deck."""
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            for field in LAWS:
+                law = d.get(field)
+                for term, values in law if isinstance(law, tuple) else ():
+                    if term == "dry_friction":
+                        yield f"{section}/{name}", d, field, values["regularization"]

@@ -16,6 +16,7 @@ from mecano.analyses.diagnostics import (
     open_latch_warnings,
     oscillation_warnings,
     step_cut_warnings,
+    undeveloped_friction_warnings,
     until_warnings,
     untouched_ground_warnings,
     waiting_warnings,
@@ -364,6 +365,7 @@ class Ongoing:
         warnings += unstable_turning_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
+        warnings += undeveloped_friction_warnings(deck, sampler, extremes, length)
         if integrator.method.order == 2:
             warnings += yielding_warnings(integrator.system, self.state.compliance, length, sampler, extremes)
         return [
