@@ -16,15 +16,16 @@ KAP, ROLLING = 1e4, float(np.radians(5.0))
 
 def test_a_law_whose_rates_run_away_is_warned_of():
     """A1 of Moreland's law has a negative symmetric part below C1 = kap C^2 D/4: 2e-5 s here."""
-    (found,) = towed(MORELAND % (500.0, 1.9e-5, KAP)).warnings
+    (found,) = towed(MORELAND % (500.0, 1.9e-5, KAP), led="down and up").warnings
     assert found.message.startswith(
         "tire law 'rubber': 'lateral.moreland.yaw_time' is 1.9e-05 s, less than torsional_stiffness yaw_coefficient^2 "
         "lateral_damping/4 = 2e-05 s: the rates of a sliding patch may grow without bound"
     )
     assert found.mark.text.strip().startswith("lateral: {moreland")
-    assert towed(MORELAND % (500.0, 2.1e-5, KAP)).warnings == ()
+    assert towed(MORELAND % (500.0, 2.1e-5, KAP), led="down and up").warnings == ()
     full = "{{matrices: {{stiffness: [7e5, 0, 0, 1e4], damping: [9, 0, -{0}, 4]}}}}"
-    assert [len(towed(full.format(mixed)).warnings) for mixed in (11.9, 12.1)] == [0, 1]  # 9 x 4 = (12/2)^2
+    found = [towed(full.format(mixed), led="down and up").warnings for mixed in (11.9, 12.1)]
+    assert list(map(len, found)) == [0, 1]  # 9 x 4 = (12/2)^2
 
 
 @pytest.mark.parametrize(("share", "warned"), [(0.9, True), (1.1, False)])
@@ -33,7 +34,8 @@ def test_a_twist_that_swings_with_the_spin_is_warned_of(share, warned):
     y, r = ROLLING * SIGMA, 0.45
     needed = SPEED * SPIN_INERTIA * y * y / (SIGMA * r * r * KAP)
     for lean in (0.0, 10.0):
-        said = warnings_of(prepare(towed(MORELAND % (0.0, share * needed, KAP), angle=ROLLING, lean=lean)))
+        law = MORELAND % (0.0, share * needed, KAP)
+        said = warnings_of(prepare(towed(law, angle=ROLLING, lean=lean, led="down and up")))
         assert len(said) == warned
         for text in said:
             assert "flexible_wheel 'tire': rolling at its initial slip angle, 5 deg at 60 m/s" in text
@@ -128,7 +130,7 @@ def test_a_failure_repeats_the_warnings_about_its_nodes():
 
 def test_a_failed_run_repeats_its_warnings(tmp_path):
     """Newton's method may not iterate, so that the patch, which is stiff, cannot be followed."""
-    text = towed(MORELAND % (0.0, 1e-5, KAP)).text
+    text = towed(MORELAND % (0.0, 1e-5, KAP), led="down and up").text
     given = deck(text.replace("maximum_step: 1.0e-3}", "minimum_step: 1.0e-5}, newton: {maximum_iterations: 1}"))
     with pytest.raises(ConvergenceError) as error:
         run(given, tmp_path / "r.h5")
