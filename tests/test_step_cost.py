@@ -2,8 +2,9 @@
 
 import pytest
 from calls import calls
-from time_runs import deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
+from mecano import Deck, Simulation
 from mecano.analyses.dynamic import begun
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import integrator_of, prepare
@@ -94,3 +95,19 @@ def test_saved_steps_make_few_calls(tmp_path):
         before = ongoing.state.steps
         made = calls(lambda: ongoing.advance(29.0))
         assert ongoing.state.steps - before == 28000 and made <= MOST_SAVED * 28000
+
+
+def test_a_controller_in_python_makes_few_calls_for_a_new_value(tmp_path):
+    """It restarts in compiled code; rows go to the file at intervals."""
+    model = Deck.read(INPUTS / "pendulum.yaml")
+    model["signals"] = {"torque": {"type": "external", "unit": "N m"}}
+    model["loads"] = {"motor": {"type": "joint_moment", "joint": "hinge", "value": "torque"}}
+    with Simulation(model, tmp_path / "r.h5") as simulation:
+
+        def control(steps):
+            for _ in range(steps):
+                simulation["torque"] = -8 * simulation["hinge.rate"]
+                simulation.advance(0.001)
+
+        control(20)
+        assert calls(lambda: control(100)) <= 510 * 100

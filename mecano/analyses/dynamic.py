@@ -308,7 +308,7 @@ class Ongoing:
         """
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
-            with recorder.emptied():
+            with recorder.kept_if_it_fails():
                 self.state = self.integrator.to(t, self.state, self._memory_with(given) if given else None)
         except (ConvergenceError, NonFiniteError) as error:
             from mecano.analyses.control_stability import causes_of_failure  # most runs do not fail
@@ -334,6 +334,7 @@ class Ongoing:
 
     def _complete(self):
         """Announce the warnings about the whole run, and close the file as complete."""
+        self.recorder.flush()
         warnings = self._final_warnings()
         for text in warnings:
             self._announce(text)

@@ -108,8 +108,8 @@ class Recorder:
             self.flush()
 
     @contextmanager
-    def emptied(self) -> Iterator[None]:
-        """Pass the buffers to the writer at the end of a run, even of a failed one, unless the writer failed."""
+    def kept_if_it_fails(self) -> Iterator[None]:
+        """Pass the buffers of a run that fails to the writer, unless that failed."""
         try:
             yield
         except ResultsError:
@@ -117,7 +117,6 @@ class Recorder:
         except BaseException:
             self.flush()
             raise
-        self.flush()
 
     def empty(self, again: bool = False) -> None:
         """Pass the contents of full buffers to the writer; may raise Stopped if one step fills them ``again``."""

@@ -243,6 +243,7 @@ class Events:
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
     memory: tuple[str, ...] = ()  # names of the values kept from step to step
     commit: Callable | None = None
+    is_set: bool = False  # a program sets its memory between steps
     reads_past: bool = False  # its memory is that of earlier inputs, of which an equilibrium has none
     follows_jumps: bool = False  # ``commit`` is also called after events and corners, where its inputs may have jumped
     kept: dict[str, Sequence[int]] = field(default_factory=dict)

@@ -290,8 +290,8 @@ class System:
 
     @property
     def samples(self) -> bool:
-        """True if signals are sampled at given times."""
-        return any(batch.kind.sampling_times is not nothing for batch in self.batches)
+        """True if signals are sampled at given times, or set by a program."""
+        return any(batch.kind.is_set or batch.kind.sampling_times is not nothing for batch in self.batches)
 
     @cached_property
     def coupled_multipliers(self) -> np.ndarray:

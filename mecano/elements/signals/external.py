@@ -43,6 +43,7 @@ EXTERNAL = Kind(
     fields=(INITIAL, UNIT_OF_VALUE),
     jumps=lambda d: True,
     memory=("value", "started"),
+    is_set=True,
     **named(residual, commit),
 )
 

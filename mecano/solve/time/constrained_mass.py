@@ -219,7 +219,7 @@ def accelerate(m, s, v, z_out, a_out):
         a_out[i] = 0.0
     factors = floats(m.penalty_factors, m.n_l)
     for i in range(m.n_l):
-        z_out[m.n_q + i] = m.k * (x[m.n_q + i] + factors[i] * g[i, SECOND])
+        z_out[m.n_q + i] = m.k * x[m.n_q + i] + (m.k * factors[i]) * g[i, SECOND]  # to the bits of consistent.py
     if m.n_entries:
         kept = floats(m.violated, m.n_l)
         deflect(m, x[m.n_q : m.n], m.k, kept)

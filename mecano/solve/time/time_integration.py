@@ -92,7 +92,7 @@ class TimeIntegrator:
             self.system, self.method, self.control, self.monitor, self.capture, self.shocks, self._is_corner
         )
         self.rounding = RoundingLimit(self.control, self.method)
-        if self.samples and not self.system.batches_with_arrivals:
+        if self.system.samples:
             self.method.restart_at_samples()
 
     @property
@@ -194,7 +194,7 @@ class TimeIntegrator:
 
     def _beyond_samples(self, run, stop, end):
         """Return the time up to which compiled code may step beyond the sampling time ``stop``, or ``stop`` itself."""
-        if self.observers or not self.method.restarts_at_samples():
+        if self.observers or self.system.batches_with_arrivals or not self.method.restarts_at_samples():
             return stop
         i = bisect_right(self._others, run.motion.t)
         return min(self._others[i], end) if i < len(self._others) else end
