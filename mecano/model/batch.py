@@ -108,6 +108,10 @@ class Batch:
         """Return whether the memories follow jumps of inputs."""
         return self.kind.follows_jumps
 
+    def has_signals(self) -> bool:
+        """Return whether the elements have equations of signals, or of states."""
+        return self.kind.of_signals or len(self.kind.states) > 0
+
     def acts_by_multipliers(self) -> bool:
         """Return whether multipliers of other parts determine forces of the elements, such as friction."""
         return bool(self.kind.coupled_multipliers) and not self.kind.senses

@@ -16,6 +16,7 @@ from mecano.maths.vector import mat, put_matrix
 from mecano.model import loops
 from mecano.model.assembly import Assembly
 from mecano.model.assembly_driver import assemble, assemble_residual, residual_loops, tangent_loops
+from mecano.model.batch import Batch
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.numbering import Unknowns
 from mecano.model.state import Instant
@@ -228,7 +229,8 @@ class CompiledSignals(Pointers):
             T=np.tile(np.eye(3), (3 * n_rotations, 1, 1)), still=np.zeros(of.n_all),
             z=np.zeros((2, of.n_all)), v=np.zeros((2, of.n_all)), R=np.zeros((2, n_rotations, 3, 3)),
         )  # fmt: skip
-        self.point_to_loops(residual=system.loops(loops.residual), tangent=system.loops(loops.tangent))
+        residual, tangent = (system.loops(purpose, Batch.has_signals) for purpose in (loops.residual, loops.tangent))
+        self.point_to_loops(residual=residual, tangent=tangent)
 
     def solve(self, s: "State") -> bool:
         """Solve the equations of the signals of ``s`` in place as ``signals.solve_signals``; return as ``settle``."""
