@@ -640,7 +640,7 @@ def test_compiled_code_settles_signals_as_their_singular_value_decomposition_doe
     start.v[0], start.t = 0.7, 0.2
     compiled = start.copy()
     assert prepared.system.kept(CompiledSignals).settle(compiled, 1e-4)
-    monkeypatch.setattr(CompiledSignals, "_or_back", lambda *arguments: False)
+    monkeypatch.setattr(CompiledSignals, "settle", lambda *arguments: False)
     signals.settle_signals(prepared.system, start, 1e-4)
     for found, expected, rounding in ((compiled.z, start.z, 1e-12), (compiled.v, start.v, 1e-8)):
         np.testing.assert_allclose(found, expected, rtol=rounding, atol=1e-15)

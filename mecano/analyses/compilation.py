@@ -69,15 +69,15 @@ def compile_time_integration(system: "System", time: "Values") -> None:
         from mecano.solve.time.relaxed_error import relax_error  # not needed by models without massless unknowns
 
         own += (relax_error,)
-    if system.signals.any():
-        from mecano.solve.time.compiled_signals import settle_at_once, solve_at_once  # nor by models without signals
-
-        own += settle_at_once, solve_at_once
     if system.samples and time["method"] != "radau":
-        from mecano.solve.time.restart import restart  # nor by those that sample none
+        from mecano.solve.time.restart import restart  # nor by those without samples, or without signals
         from mecano.solve.time.sampled_restart import restart_at_sample
 
-        own += restart_at_sample, restart
+        own += restart, restart_at_sample
+    elif system.signals.any():
+        from mecano.solve.time.compiled_signals import settle_at_once
+
+        own += (settle_at_once,)
     own += EVENTS if system.n_events else ()
     own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()
     further = [] if system.halves is None else divided()

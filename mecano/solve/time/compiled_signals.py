@@ -53,12 +53,6 @@ def settle_at_once(signals: Records(SIGNALS), s_out: Instant, dt: float) -> bool
     return q.reads_rates == 0 or (solved(q, s_out) and find_rates(q, s_out, dt))
 
 
-@entry
-def solve_at_once(signals: Records(SIGNALS), s_out: Instant) -> bool:
-    """Do as ``signals.solve_signals``; return whether that was possible."""
-    return solved(signals[0], s_out)
-
-
 @kernel
 def solved(q, s):
     """Solve the equations by Newton's method; return whether it converges, and leaves the J of the solution.
@@ -232,22 +226,14 @@ class CompiledSignals(Pointers):
         residual, tangent = (system.loops(purpose, Batch.has_signals) for purpose in (loops.residual, loops.tangent))
         self.point_to_loops(residual=residual, tangent=tangent)
 
-    def solve(self, s: "State") -> bool:
-        """Solve the equations of the signals of ``s`` in place as ``signals.solve_signals``; return as ``settle``."""
-        return self._or_back(s, solve_at_once, s)
-
     def settle(self, s: "State", dt: float) -> bool:
         """Set the signals of ``s`` in place as ``signals.settle_signals``; return whether that was possible.
 
         Otherwise ``s`` remains as it is.
         """
-        return self._or_back(s, settle_at_once, s, dt)
-
-    def _or_back(self, s, function, *arguments):
-        """Call the function with this record; set the signals of ``s`` back if it returns false."""
         own, motion = self.array("own"), (s.z, s.v, s.a)
         before = [x[own] for x in motion]
-        done = function(self.record, *arguments)
+        done = settle_at_once(self.record, s, dt)
         for x, values in zip(motion, before, strict=True) if not done else ():
             x[own] = values
         return done

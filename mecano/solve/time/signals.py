@@ -62,9 +62,7 @@ def solve_signals(system: "System", s: "State") -> "State":
     A signal whose value is not finite is solved later, when the signals that it reads are known: all are zero at first,
     and may be denominators. It may remain non-finite before the velocities of a start are known.
     """
-    if not system.signals.any() or system.kept(CompiledSignals).solve(s):
-        return s
-    return _solve(system.kept(_Equations), s)
+    return _solve(system.kept(_Equations), s) if system.signals.any() else s
 
 
 def _solve(equations, s):
