@@ -26,7 +26,8 @@ from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Group, analy
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
-from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
+from mecano.solve.time.coefficients import Coefficients
+from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 from mecano.solve.time.initial_assembly import assemble_start, most_off
 from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl

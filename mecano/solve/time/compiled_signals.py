@@ -22,6 +22,7 @@ from mecano.model.numbering import Unknowns
 from mecano.model.state import Instant
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import move
+from mecano.solve.time.signals import TOLERANCE
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -34,7 +35,6 @@ SIGNALS = fields(
     loops="residual tangent",
 )
 EVALUATIONS, MOST_KEPT, SLOW = 5, 4, 0.1  # of J; iterations with one J; factor by which each reduces the correction
-TOLERANCE = 1e-13  # of the signals
 JUMP = 1e-9  # of a signal: a greater change of one that has converged is a jump
 LEAST_PIVOT = 1e-8  # of its terms, which cancel: signals.py decides whether the equations are singular
 

@@ -15,12 +15,11 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from mecano.errors import Failure
-from mecano.immutable import immutable
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import MASSLESS, RELEASED, SIGNAL
 from mecano.model.state import History, State
@@ -40,6 +39,7 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
+from mecano.solve.time.coefficients import Coefficients
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
@@ -64,52 +64,6 @@ if TYPE_CHECKING:
     from mecano.solve.time.stride_arrays import Recorder
 
 Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-
-
-@immutable
-class Coefficients:
-    """am, af, beta, gamma of the family, and the constant Ce of its local displacement error."""
-
-    am: float
-    af: float
-    beta: float
-    gamma: float
-
-    @classmethod
-    def generalized_alpha(cls, rho: float) -> Self:
-        """Chung & Hulbert 1993, spectral radius rho at infinity in [0, 1]."""
-        am, af = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
-        gamma = 0.5 + af - am
-        return cls(am, af, 0.25 * (gamma + 0.5) ** 2, gamma)
-
-    @classmethod
-    def hht(cls, rho: float) -> Self:
-        """Hilber, Hughes & Taylor 1977; rho in [1/2, 1]."""
-        af = (1.0 - rho) / (1.0 + rho)
-        return cls(0.0, af, 0.25 * (1.0 + af) ** 2, 0.5 + af)
-
-    @classmethod
-    def newmark(cls, rho: float) -> Self:
-        """Newmark 1959 with damping: gamma = 1/2 + delta, beta = (gamma + 1/2)^2/4; first order for rho < 1."""
-        delta = (1.0 - rho) / (1.0 + rho)
-        gamma = 0.5 + delta
-        return cls(0.0, 0.0, 0.25 * (gamma + 0.5) ** 2, gamma)
-
-    @property
-    def error(self) -> float:
-        """Ce of the local error Ce h^2 |a_{n+1} - a_n| of the displacement."""
-        return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
-
-    def acceleration(self, phase: np.ndarray) -> np.ndarray:
-        """Return the acceleration of a coordinate that turns by ``phase`` [rad] in each step, over the exact one.
-
-        Complex: of exp(i omega t), whose displacements, velocities and both accelerations follow from one another by
-        the formulas of the method.
-        """
-        z = np.exp(1j * phase)
-        moved = (1.0 - self.gamma) + self.gamma * z + (z - 1.0) * (0.5 - self.beta + self.beta * z)
-        averaged = ((1.0 - self.am) * z + self.am) / ((1.0 - self.af) * z + self.af)
-        return -((z - 1.0) ** 2) / (phase**2 * moved) * averaged
 
 
 class GeneralizedAlpha:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.solve.time.run_state import RunState
-from mecano.solve.time.sampled_restart import restart_at_sample
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_control import SHORT, STRETCH, first_size
 from mecano.solve.time.step_info import StepInfo, Trial
@@ -67,6 +66,8 @@ class OrdinarySteps:
         restarting, w, r = self.method.compiled_restart, self.workspace, self.record
         if restarting is None:
             return
+        from mecano.solve.time.sampled_restart import restart_at_sample  # few runs sample signals
+
         self._samples, self._corners = np.array(samples), corners
         self._at_sample = restart_at_sample.call_from_compiled_code(r, restarting.record, w.record, self.arrays.output)
         r["at_sample"], r["at_sample_words"] = self._at_sample.function, self._at_sample.words.ctypes.data

@@ -3,8 +3,8 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats
-from mecano.maths.adjacent import successor
 from mecano.model.assembly_driver import assemble_residual, observe, observe_loops, residual_loops
+from mecano.solve.linear.rounding import successor
 from mecano.solve.time.output import OUTPUT, begin_row
 from mecano.solve.time.restart import RESTART
 from mecano.solve.time.step_control import first_size

@@ -9,7 +9,6 @@ import numpy as np
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.model.assembly import Assembly
 from mecano.solve.diagnostics.scales import SMALL
-from mecano.solve.time.compiled_signals import TOLERANCE, CompiledSignals
 from mecano.solve.time.increments import displaced, moved
 
 if TYPE_CHECKING:
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 ITERATIONS = 30
+TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
 SWEEPS = 20  # of the balancing, which takes 2 or 3
 NONE, ABSENT = -1_000_000, -500_000  # exponent of zero, and a bound on it when it is shifted
@@ -34,6 +34,8 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
     signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
     finite, AssemblyError where they form a loop without a unique solution.
     """
+    from mecano.solve.time.compiled_signals import CompiledSignals  # few runs have signals
+
     if system.kept(CompiledSignals).settle(s, dt):
         return
     equations = system.kept(_Equations)

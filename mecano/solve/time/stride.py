@@ -9,7 +9,6 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.maths.adjacent import successor
 from mecano.model.assembly_driver import commit, event_values, loops_at, observe, observe_loops
 from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION
@@ -17,7 +16,8 @@ from mecano.model.state import Instant
 from mecano.solve.events.events import some_happened
 from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, heads_for_zero, may_pass, may_peak
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
-from mecano.solve.time.contradicting_steps import contradict, slips
+from mecano.solve.linear.rounding import successor
+from mecano.solve.time.contradictions import contradict, slips
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
