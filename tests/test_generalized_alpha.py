@@ -206,16 +206,24 @@ def constraints_watched(worst):
     return change
 
 
-@pytest.mark.parametrize("name", ["pendulum", "spherical_pendulum", "four_bar"])
-def test_newton_does_not_depend_on_the_step_size(name):
-    """100 steps each of 1e-6, 1e-4 and 1e-2 s: one or two iterations with new tangents, constraints to 1e-10."""
+@pytest.mark.parametrize(("name", "most"), [("pendulum", 2), ("spherical_pendulum", 2), ("four_bar", 3)])
+def test_newton_does_not_depend_on_the_step_size(name, most):
+    """100 steps each of 1e-6, 1e-4 and 1e-2 s: one or two iterations with new tangents, constraints to 1e-10.
+
+    Redundant constraints, to 1e-14, need a third one.
+    """
     iterations, worst = [], []
     for h in (1e-6, 1e-4, 1e-2):
-        values = (f"time.step={h}", f"time.end={100 * h}", f"output.every={h}", "time.newton={maximum_iterations: 2}")
+        values = (
+            f"time.step={h}",
+            f"time.end={100 * h}",
+            f"output.every={h}",
+            f"time.newton={{maximum_iterations: {most}}}",
+        )
         recorded = RecordedRun(input_deck(name, *values), change=constraints_watched(worst))
         assert len(recorded.iterations) == 100
         iterations += [recorded.iterations.min(), recorded.iterations.max()]
-    assert {1} <= {*iterations} <= {1, 2}
+    assert {1} <= {*iterations} <= {1, 2, most}
     assert len(worst) == 300 and max(worst) <= 1e-10
 
 

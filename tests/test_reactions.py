@@ -138,7 +138,7 @@ HELD_TWICE = """
       pin: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
       weld: {type: fixed, nodes: [c, d]}
       AGAIN
-    time: {end: 0.1, step: 0.005}
+    time: {end: 0.1, step: 0.005, newton: {constraint_tolerance: 1.0e-14}}
     """
 
 
