@@ -24,7 +24,7 @@ from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
 from mecano.maths.surface import LEAST_Q, disc_contact
-from mecano.maths.vector import ZERO, Vec3, cross, dot, norm
+from mecano.maths.vector import Vec3, cross, dot, norm
 from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, positive
 
 CARRIED_RECORD = {
@@ -71,7 +71,7 @@ def touch_carried(p, x, a, origin, main):
     X = x - origin
     along = dot(main, X)
     if p.cylindrical == 0.0:
-        return disc_contact(main, ZERO, along, a)
+        return disc_contact(main, along, a)
     away = X - along * main
     distance = at_least(norm(away), LEAST_DISTANCE)
     e = away / distance
@@ -79,7 +79,7 @@ def touch_carried(p, x, a, origin, main):
     phi = _angle(p, value(a), value(e), value(ahead), value(distance))
     now = _foot(p, a, e, ahead, distance, phi)
     found = _foot(p, a, e, ahead, distance, implicit(phi, now.f, value(now.slope)))
-    return disc_contact(found.n, ZERO, found.height, a)
+    return disc_contact(found.n, found.height, a)
 
 
 @kernel

@@ -151,9 +151,8 @@ def touch(p, laws, x, a):
     H, H1, H2 = _profile(laws, p.height, centre + delta)
     residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
     delta = implicit(delta, residual, value(slope))
-    H, H1, H2 = _profile(laws, p.height, centre + delta)
-    n, dn = profile_normal(n0, d, H1, H2)
-    return disc_contact(n, dn, (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
+    H, H1, _ = _profile(laws, p.height, centre + delta)
+    return disc_contact(profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
 
 
 @kernel

@@ -13,7 +13,7 @@ from mecano.constraints.triads import unit
 from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
-from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, vec
+from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
 MULTIPLIERS = 6
 CONTACT, AIR = 0, 1  # phases
@@ -23,7 +23,7 @@ CONTACT, AIR = 0, 1  # phases
 def on_a_plane(p, R):
     """Return the unit vectors t and l (surface.py) for a body axis on a plane."""
     axis = mat(R[0]) @ vec(p.axis, 0)
-    return directions(axis, disc_contact(vec(p.normal, 0), ZERO, 0.0, axis))
+    return directions(axis, disc_contact(vec(p.normal, 0), 0.0, axis))
 
 
 def leaning(rng):

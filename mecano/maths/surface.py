@@ -32,7 +32,6 @@ class Contact(NamedTuple):
     """The point of a disc nearest to the ground; 3-vectors in the inertial frame."""
 
     n: tuple  # unit normal at C
-    dn: tuple  # dn/dsigma [1/m]
     c: tuple  # unit vector, centre to C
     s: float  # n.a
     q: float  # |n - s a|
@@ -41,12 +40,9 @@ class Contact(NamedTuple):
 
 
 @kernel
-def profile_normal(n0, d, H1, H2):
-    """Return the unit normal n and dn/dsigma [1/m] of a profile with slope H1 and second derivative H2 [1/m]."""
-    length2 = 1.0 + H1 * H1
-    length = sqrt(length2)
-    n = (n0 - H1 * d) / length
-    return n, -H2 / (length2 * length) * (d + H1 * n0)
+def profile_normal(n0, d, H1):
+    """Return the unit normal n of a profile with slope H1."""
+    return (n0 - H1 * d) / sqrt(1.0 + H1 * H1)
 
 
 @kernel
@@ -66,14 +62,14 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
 
 
 @kernel
-def disc_contact(n, dn, height, a):
+def disc_contact(n, height, a):
     """Return the Contact of a disc with unit axis ``a`` and its centre ``height`` = (x - P).n [m] above the ground."""
     s = dot(n, a)
     m = n - s * a
     q = at_least(sqrt(dot(m, m)), LEAST_Q)
     c = -m / q
     r = height / q
-    return Contact(n, dn, c, s, q, r, r * c)
+    return Contact(n, c, s, q, r, r * c)
 
 
 @kernel

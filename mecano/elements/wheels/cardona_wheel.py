@@ -22,7 +22,7 @@ from mecano.element_interface import Kind, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import disc_contact
-from mecano.maths.vector import ZERO, dot, mat, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(axis=3, radius=(), normal=3)
 HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own unknowns
@@ -51,7 +51,7 @@ def observe(p, at, F, y, e):
     """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
     Rn, n = mat(at.R[0]), vec(p.normal, 0)
     axis = Rn @ vec(p.axis, 0)
-    g = disc_contact(n, ZERO, p.radius, axis)
+    g = disc_contact(n, p.radius, axis)
     push = number(at.q[HEIGHT]), number(at.q[DRIVING]), number(at.q[LATERAL])
     put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, dot(Rn @ vec(at.v, 3), axis)))
 

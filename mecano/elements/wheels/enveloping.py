@@ -269,7 +269,7 @@ def contact_with(p, e, a):
     """Return the Contact of a wheel of the axis a with its EffectivePlane ``e``."""
     length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
     n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
-    return disc_contact(n, 0.0 * n, e.above / length, a)
+    return disc_contact(n, e.above / length, a)
 
 
 @kernel
