@@ -19,9 +19,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mecano.results.checksums import BLOCK, block_sums, crcs
+from mecano.results.checksums import BLOCK, END, block_sums, crcs
 
-END = struct.Struct("<16sQI")
 MARK = b"mecano live 1\0\0\0"
 FIRST = 64  # blocks of the smallest table
 PAIR = 8  # bytes of the two sums of a block
