@@ -177,7 +177,7 @@ def test_a_resumed_run_has_no_warning_unless_its_bits_may_differ(tmp_path, warni
     with Writer.create(tmp_path / "a.h5", Layout([]), source) as writer:
         writer.close("complete", "the end was reached")
     with open_results(tmp_path / "a.h5") as results:
-        assert (results.warnings, results.remarks) == (warnings, remarks)
+        assert (results.warnings, results.resumptions) == (warnings, remarks)
         assert is_sound(results) == (not warnings)
         assert verdict(results) == ("complete with warnings" if warnings else "complete")
 

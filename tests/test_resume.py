@@ -75,7 +75,7 @@ class TestTheSameBits:
         assert stops >= 5 and found["events"] == expected["events"][: len(found["events"])]
         check_same(contents(path), expected)
         results = mecano.open_results(path)
-        assert len(results.remarks) == stops and not any("resumed" in text for text in results.warnings)
+        assert len(results.resumptions) == stops and not any("resumed" in text for text in results.warnings)
 
     def test_stopped_within_steps(self, whole, tmp_path):
         """Between two trials or two factorizations: the step is left, and tried again from its beginning."""
@@ -285,7 +285,7 @@ class TestTheCheckpoint:
         resume(deck, path, announce=reported.append)
         assert "number of threads (7, now" in reported[0] and "processor (Abacus, now" in reported[0]
         with mecano.open_results(path) as results:
-            assert reported[0] in results.warnings and reported[0] not in results.remarks
+            assert reported[0] in results.warnings and reported[0] not in results.resumptions
 
     def test_a_file_that_is_being_written_is_not_resumed(self, tmp_path):
         """By the process of that number, unless that began only after the run."""

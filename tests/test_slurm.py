@@ -126,7 +126,7 @@ def test_a_long_run_goes_back_into_the_queue_until_it_is_complete(folder):
     assert restarts(number) == 1
     with mecano.open_results("long.h5") as results:
         assert results.status == "complete" and results.time[-1] == 30.0
-        assert any(text.startswith("resumed at") for text in results.remarks)
+        assert any(text.startswith("resumed at") for text in results.resumptions)
 
 
 def test_a_run_that_makes_no_step_in_its_time_is_not_requeued(folder, tmp_path, monkeypatch):
@@ -163,5 +163,5 @@ def test_a_study_with_a_failing_case_and_one_that_needs_more_time(folder):
     assert table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
     assert table["case/exit_code"].tolist() == [0.0, 2.0, 0.0, 0.0]
     with mecano.open_results("study_runs/0004.h5") as results:
-        assert any(text.startswith("resumed at") for text in results.remarks)
+        assert any(text.startswith("resumed at") for text in results.resumptions)
     assert sorted(ended(number).values()).count("FAILED") == 1 and restarts(f"{number}_4") == 1

@@ -438,7 +438,7 @@ def test_a_resumed_case_is_no_warning(folder):
     with mecano.Simulation("deck.yaml", "study_runs/0001.h5", force=True) as simulation:
         simulation.advance(0.1)
     resumed = mecano.run("deck.yaml", "study_runs/0001.h5", resume=True)
-    assert "resumed at" in resumed.remarks[0]
+    assert "resumed at" in resumed.resumptions[0]
     code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
     assert code == 0 and out.startswith("1 cases: 1 complete\n")
 

@@ -224,9 +224,12 @@ def _from_the_checkpoint(deck, interrupted, supervision):
     layout = layout_of(sampler)
     interrupted.check_layout(layout)
     note, doubtful = interrupted.note(start.motion.t)
-    warnings, remarks = [*interrupted.warnings, *[note] * doubtful], [*interrupted.remarks, *[note] * (not doubtful)]
+    warnings, resumptions = (
+        [*interrupted.warnings, *[note] * doubtful],
+        [*interrupted.resumptions, *[note] * (not doubtful)],
+    )
     automatic, model = interrupted.automatic, interrupted.model
-    source = source_of(deck, automatic=automatic, model=model, warnings=warnings, resumptions=remarks)
+    source = source_of(deck, automatic=automatic, model=model, warnings=warnings, resumptions=resumptions)
     begin = partial(interrupted.copy_to, interruption=supervision.interruption)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(interrupted.path, layout, source, force=True, begin=begin) as writer:

@@ -40,7 +40,7 @@ class InterruptedRun:
         Values chosen where the deck says "automatic".
     model : dict
         Properties of the model, see ``model_facts``.
-    warnings, remarks : list of str
+    warnings, resumptions : list of str
         Those of the interrupted run.
     """
 
@@ -51,7 +51,7 @@ class InterruptedRun:
                 self._check(deck)
                 self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
                 self.automatic, self.model = self.results.automatic, self.results.model
-                self.warnings, self.remarks = self.results.warnings, self.results.remarks
+                self.warnings, self.resumptions = self.results.warnings, self.results.resumptions
         except BaseException:
             self.close()
             raise

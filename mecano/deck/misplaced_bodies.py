@@ -25,7 +25,7 @@ def misplaced_bodies(values: "Values") -> "Iterator[LocatedWarning]":
 
 
 def _from_the_origin(bodies, nodes):
-    """Yield remarks on centres of mass far from all nodes that would be among them if they counted from the origin."""
+    """Yield warnings of centres of mass far from all nodes that would be among them if they counted from the origin."""
     at = poses(nodes)
     places = np.array([x for x, _ in at.values()])
     low, high = places.min(axis=0), places.max(axis=0)
@@ -50,7 +50,7 @@ def _from_the_origin(bodies, nodes):
 
 
 def _attached_twice(bodies):
-    """Yield remarks on nodes that are attached to two bodies."""
+    """Yield warnings of nodes that are attached to two bodies."""
     owners: dict[str, str] = {}
     for name, d in bodies.items():
         for node in d.get("attached") or ():

@@ -77,7 +77,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
         ("plugins", _plugins(data.get("plugins", "{}"))),
         ("automatic", _automatic(results)),
         *_set_in_motion(results),
-        *(("remark", text) for text in results.remarks),
+        *(("resumed", text) for text in results.resumptions),
         *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),

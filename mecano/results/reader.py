@@ -30,7 +30,7 @@ _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
     "_table time events _subjects steps extremes resolved displays metadata _run_attributes automatic model "
-    "remarks warnings checkpoint".split()
+    "resumptions warnings checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
@@ -278,7 +278,7 @@ class Results(ByName):
         return [*self._file.json("deck/warnings", list), *self._ended[1]]
 
     @cached_property
-    def remarks(self) -> list[str]:
+    def resumptions(self) -> list[str]:
         """Notes on the run that leave its results as they are, namely where it was resumed: list of str."""
         return self._file.json("deck/resumptions", list)
 
