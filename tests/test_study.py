@@ -573,7 +573,7 @@ def test_rounding_of_an_output_does_not_fill_its_panel():
     angle = Column("outputs", "angle", "rad", "", 1.5 + np.array([0.0, 3e-13, -2e-13]))
     columns = (status, Column("parameters", "parameters.friction", "N m", "", varied), angle)
     [ax] = study_figure(StudyTable("", "", "", columns)).axes
-    assert ax.get_ylim() == pytest.approx((1.35, 1.65), rel=1e-9)
+    assert ax.get_ylim() == pytest.approx(np.degrees((1.35, 1.65)), rel=1e-9)
 
 
 def test_varied_values_of_one_key_differ_in_pictures():

@@ -224,10 +224,8 @@ def _from_the_checkpoint(deck, interrupted, supervision):
     layout = layout_of(sampler)
     interrupted.check_layout(layout)
     note, doubtful = interrupted.note(start.motion.t)
-    warnings, resumptions = (
-        [*interrupted.warnings, *[note] * doubtful],
-        [*interrupted.resumptions, *[note] * (not doubtful)],
-    )
+    warnings = [*interrupted.warnings, *[note] * doubtful]
+    resumptions = [*interrupted.resumptions, *[note] * (not doubtful)]
     automatic, model = interrupted.automatic, interrupted.model
     source = source_of(deck, automatic=automatic, model=model, warnings=warnings, resumptions=resumptions)
     begin = partial(interrupted.copy_to, interruption=supervision.interruption)
