@@ -7,12 +7,14 @@ multipliers, to 1e-9), a3_a4 (Chaplygin's sleigh, closed form; braking), a6 (the
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
+from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.modal import modes
+from mecano.errors import DeckError
 
 TIMES = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
 CENTRE = [
@@ -92,6 +94,77 @@ def test_reactions_stay_of_second_order_with_steps_that_change():
     (x0, f0), (x1, f1) = errors
     assert x1 < 1e-4 and f1 < 5e-5
     assert f0 / f1 > 0.3 * x0 / x1  # reactions converge as the positions do
+
+
+R, E, MASS, G = 0.3225, 0.12, 1.0, 9.81  # radius with the tread, its crown, kg, m/s2
+TORUS_TIMES = [0.25, 0.5, 0.75, 1.0]
+TORUS = f"""
+    mecano: 1
+    gravity: [0, 0, -{G}]
+    nodes: {{{{centre: {{{{position: [0, 0, HEIGHT], orientation: [-0.4, 0, 0]}}}}}}}}
+    elements:
+      wheel: {{{{type: rigid_body, node: centre, mass: {MASS}, inertia: [0.03, 0.05, 0.03]}}}}
+      rim: {{{{type: rigid_wheel, node: centre, radius: {R}, crown_radius: {E}, axis: [AXIS], ground: floor}}}}
+    grounds: {{{{floor: {{{{plane: {{{{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}}}}}}}
+    initial: {{{{velocities: [{{{{nodes: [centre], velocity: [VELOCITY], angular_velocity: [SPIN]}}}}]}}}}
+    time: {{{{end: 1.0, step: {{step}}}}}}
+"""
+
+
+def contact_of_torus(axis, spin):
+    """Arm from the centre to the contact, and its rate as the axis turns."""
+    n = np.array([0.0, 0.0, 1.0])
+    s, turning = n @ axis, np.cross(spin, axis)
+    q, s1 = np.sqrt(1.0 - s * s), n @ turning
+    rate = (s1 * axis + s * turning) / q - (n - s * axis) * s * s1 / q**3
+    return -(R - E) * (n - s * axis) / q - E * n, (R - E) * rate
+
+
+def rates_of_torus(t, y):
+    """Newton and Euler: rates of centre, rotation and angular velocity of a torus that rolls, v = -omega x arm."""
+    A, spin = y[3:12].reshape(3, 3), y[12:]
+    arm, turning = contact_of_torus(A[:, 1], spin)
+    J = A @ np.diag([0.03, 0.05, 0.03]) @ A.T
+    about_contact = J + MASS * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    pulled = MASS * np.cross(arm, np.array([0.0, 0.0, G]) - np.cross(spin, turning)) - np.cross(spin, J @ spin)
+    across = [[0.0, -spin[2], spin[1]], [spin[2], 0.0, -spin[0]], [-spin[1], spin[0], 0.0]]
+    return np.concatenate([-np.cross(spin, arm), (across @ A).ravel(), np.linalg.solve(about_contact, pulled)])
+
+
+def test_a_wheel_with_a_rounded_tread_rolls_as_a_torus(verify):
+    """Released leaning; its contact moves across the tread."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    A, spin = np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]), np.array([0.1, 6.0, -1.5])
+    velocity, height = -np.cross(spin, contact_of_torus(A[:, 1], spin)[0]), E + (R - E) * c
+    text = TORUS.replace("HEIGHT", repr(float(height)))
+    for name, vector in (("AXIS", A[:, 1]), ("VELOCITY", velocity), ("SPIN", spin)):
+        text = text.replace(name, ", ".join(map(repr, vector.tolist())))
+    start = np.concatenate([[0.0, 0.0, height], A.ravel(), spin])
+    exact = solve_ivp(rates_of_torus, (0.0, 1.0), start, t_eval=TORUS_TIMES, rtol=1e-11, atol=1e-12).y
+    marches = [RecordedRun(deck(text.format(step=step))) for step in (2e-3, 1e-3)]
+    centre = [at_times(run, run["nodes/centre/position"], TORUS_TIMES) for run in marches]
+    verify.second_order("Rolling", "torus released leaning: centre over 1 s [m]", *centre, exact[:3].T, 2e-8, "SciPy")
+    run, arms = marches[1], [contact_of_torus(y[3:12].reshape(3, 3)[:, 1], y[12:])[0] for y in exact.T]
+    contact = at_times(run, run["elements/rim/contact_point"], TORUS_TIMES)
+    np.testing.assert_allclose(contact, exact[:3].T + arms, atol=1e-6)
+    np.testing.assert_allclose(run["elements/rim/contact_point"][:, 2], 0.0, atol=1e-9)
+    np.testing.assert_allclose(run["elements/rim/height"].ravel(), run["nodes/centre/position"][:, 2], atol=1e-12)
+    assert np.ptp(run["energy/total"]) < 1e-5  # J of 11 J
+
+
+@pytest.mark.parametrize(
+    ("crown", "ground", "text"),
+    [
+        ("0.3225", "", "'crown_radius' must be less than the 'radius' of 0.3225 m"),
+        ("0.1", ", profile: {direction: [1, 0, 0], height: 0.1}", "needs a plane, without 'ground.profile'"),
+    ],
+)
+def test_crowns_that_are_refused(crown, ground, text):
+    given = UPRIGHT.format(kind="rigid_wheel", v=1.0, w=1.0 / 0.3225).replace(
+        "0.3225, axis", f"0.3225, crown_radius: {crown}, axis"
+    )
+    with pytest.raises(DeckError, match=text):
+        deck(given.replace("normal: [0, 0, 1]}", "normal: [0, 0, 1]}" + ground))
 
 
 UPRIGHT = """
@@ -363,7 +436,14 @@ def test_errors_in_rigid_wheels():
         "profile": {"direction": [1, 0, 0], "height": (("bump", {"start": 0, "length": 1, "height": 0.1}),)},
     }
     node, low = [(np.array([0, 0, 0.3]), np.eye(3))], [(np.array([0, 0, -0.3]), np.eye(3))]
-    values = {"radius": 0.3, "axis": [0, 1, 0], "ground": flat, "axle": "free", "unilateral": False}
+    values = {
+        "radius": 0.3,
+        "axis": [0, 1, 0],
+        "ground": flat,
+        "axle": "free",
+        "unilateral": False,
+        "crown_radius": 0.0,
+    }
     assert RIGID_WHEEL.check(values, node) == [] == RIGID_WHEEL.check({**values, "ground": wavy}, node)
     assert "below the ground" in RIGID_WHEEL.check(values, low)[0]
     assert "lies flat" in RIGID_WHEEL.check({**values, "axis": [0, 0, 1]}, node)[0]

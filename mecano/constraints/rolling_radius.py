@@ -34,7 +34,7 @@ def leaning_discs(rng):
     for phase in ("contact", "air"):
         normal, level = normal_and_level(rng)
         axis = unit(level + rng.uniform(-0.5, 0.5) * normal)
-        ground = {"point": -8.0 * normal, "normal": normal, "direction": level, "height": 0}
+        ground = {"point": -8.0 * normal, "normal": normal, "direction": level, "height": 0, "crown": 0.0}
         found.append(({"axis": axis, "radius": 7.0, **ground}, [(rng.normal(size=3), np.eye(3))], phase))
     return found
 

@@ -23,7 +23,7 @@ CONTACT_OUTPUTS = (
     Output(
         "loaded_radius",
         "m",
-        "distance from centre to contact in the wheel plane; in the air the radius",
+        "distance from centre to contact in the wheel plane, with a crown to the tread there; in the air the radius",
         geometric=True,
     ),
     Output("normal_force", "N", "normal force N of the ground on the wheel"),
@@ -42,7 +42,9 @@ OUTPUTS = (
 
 def disc_record(d, nodes, context):
     """Return the values of axis, radius and ground for the basic constraints."""
-    return {"axis": carried_axis(d, nodes), "radius": d["radius"], **prepare_ground(d["ground"], context)}
+    crown = d.get("crown_radius", 0.0)
+    ground = prepare_ground(d["ground"], context, crown)
+    return {"axis": carried_axis(d, nodes), "radius": d["radius"] - crown, **ground}
 
 
 def check_touching(gap, along_normal, radius, otherwise=""):
@@ -68,14 +70,18 @@ class Wheel(NamedTuple):
     axis: tuple
     arm: tuple  # from the centre to the contact, or to the lowest point of the rim [m]
     spin: float  # angular velocity along the axis [rad/s]
+    crown: float  # radius of a rounded tread [m], or 0
 
 
 @kernel
 def put_contact(y, q, push, radius, wheel):
-    """Write CONTACT_OUTPUTS of a Wheel; ``push`` (3,) [N]: force of the ground along n, t, l; loaded radius [m]."""
+    """Write CONTACT_OUTPUTS of a Wheel; ``push`` (3,) [N]: force of the ground along n, t, l; loaded radius [m].
+
+    That of a rounded tread is the one of the middle circle.
+    """
     g, (t, l) = wheel.g, directions(wheel.axis, wheel.g)
-    y[0] = g.r * g.q
-    y[1] = radius
+    y[0] = g.r * g.q + wheel.crown
+    y[1] = radius + wheel.crown
     put(y, 2, push)
     put(y, 5, push[0] * g.n + (push[1] * t + push[2] * l))
     y[8] = wheel.spin

@@ -35,8 +35,8 @@ class Contact(NamedTuple):
     c: tuple  # unit vector, centre to C
     s: float  # n.a
     q: float  # |n - s a|
-    r: float  # distance of C from the centre [m]
-    arm: tuple  # r c [m]
+    r: float  # distance of C from the centre, of a rounded tread that of the middle circle [m]
+    arm: tuple  # r c [m], of a rounded tread to the ground
 
 
 @kernel

@@ -16,6 +16,10 @@ With ``unilateral`` the wheel starts in the air if its rim is more than a thousa
 leaves the ground when N falls to zero and lands again without rebound: at touch-down the velocities jump to the nearest
 ones, in the norm of the kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
 
+With a ``crown_radius`` e the tread is rounded, as that of a motorcycle: the wheel is a torus whose middle circle has
+the radius ``radius`` - e. It rolls on a plane, C = x + r c - e n with r of that circle on the plane raised by e, and
+moves across its tread as it leans.
+
 Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations jump too: the passage of the
 wheel over such a point is an event, so that no step extends across it, if there are no more than eight such points.
 
@@ -31,6 +35,7 @@ from mecano.constraints.ground import (
     along_profile,
     bends,
     check_axle,
+    check_crown,
     check_ground,
     end_conditions,
     on_the_slope,
@@ -48,7 +53,7 @@ from mecano.element_interface import Event, Kind, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.maths.vector import dot, mat, vec
-from mecano.schema import BOOLEAN, Field, choice
+from mecano.schema import BOOLEAN, NUMBER, Field, choice, not_negative
 
 RECORD = record(axis=3, radius=(), restitution=(), in_air="i", bends=MOST_BENDS, **GROUND_RECORD)
 BILATERAL = -1.0  # in place of a restitution
@@ -60,6 +65,14 @@ RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own un
 OPTIONS = (
     Field("axle", choice("free", "level"), "-", "free to lean, or kept parallel to the plane of the ground", "free"),
     Field("unilateral", BOOLEAN, "-", "whether it may leave the ground", False),
+    Field(
+        "crown_radius",
+        NUMBER,
+        "m",
+        "radius of a rounded tread, seen along the wheel; part of 'radius'",
+        0.0,
+        not_negative,
+    ),
 )
 
 
@@ -71,7 +84,8 @@ def observe(p, at, F, y, e):
     g = touch(p, at.laws, vec(at.q, 0), axis)
     radius = select(at.phase == AIR, p.radius, g.r)
     push = number(at.q[RADIAL]) / g.q, number(at.q[DRIVING]), number(at.q[LATERAL])
-    put_outputs(y, at.q, push, radius, Wheel(g, axis, radius * g.c, dot(Rn @ vec(at.v, 3), axis)))
+    arm = radius * g.c - p.crown * g.n
+    put_outputs(y, at.q, push, radius, Wheel(g, axis, arm, dot(Rn @ vec(at.v, 3), axis), p.crown))
 
 
 @kernel
@@ -114,11 +128,17 @@ def commit(p, at, m_out):
 def prepare(d, nodes, context):
     """Return the record: that of the parts, whether the wheel may lift off or starts in the air, the bends."""
     may_leave = d["unilateral"]
-    in_air = may_leave and rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"])[0] > STANDING * d["radius"]
+    in_air = may_leave and _rim(d, nodes)[0] > STANDING * d["radius"]
     return {
         **disc_record(d, nodes, context), "restitution": 0.0 if may_leave else BILATERAL,
         "in_air": AIR if in_air else CONTACT, "bends": bends(d["ground"]),
     }  # fmt: skip
+
+
+def _rim(d, nodes):
+    """Return the height of the rim as ``rim_above``."""
+    crown = d["crown_radius"]
+    return rim_above(d["ground"], d["radius"] - crown, nodes[0][0], d["axis"], crown)
 
 
 def parts(d, nodes, context):
@@ -133,8 +153,9 @@ def parts(d, nodes, context):
 def check(d, nodes):
     """Return errors for an unusable ground, a wheel that lies flat or starts below the ground."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
+    texts += check_crown(d["ground"], d["radius"], d["crown_radius"])
     if not texts:
-        texts = _check_rim(d, *rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"]))
+        texts = _check_rim(d, *_rim(d, nodes))
     if d["axle"] == "level" and d["unilateral"]:
         texts.append("'axle' must not be level in a wheel that may leave the ground")
     return texts
@@ -152,14 +173,14 @@ def sample(rng):
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     waves = (*wave, ("bump", {"start": -2.0, "length": 9.0, "height": 0.1}))
     found = []
-    for height, axle, unilateral, phase in (
-        (None, "free", False, "contact"), (waves, "free", True, "contact"), (None, "level", False, "contact"),
-        (wave, "free", True, "air"),
+    for height, axle, unilateral, phase, crown in (
+        (None, "free", False, "contact", 1.5), (waves, "free", True, "contact", 0.0),
+        (None, "level", False, "contact", 0.0), (wave, "free", True, "air", 0.0),
     ):  # fmt: skip
         ground, normal, level = slope_below(rng, height)
         values = {
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
-            "unilateral": unilateral,
+            "unilateral": unilateral, "crown_radius": crown,
         }  # fmt: skip
         found.append((values, on_the_slope(rng, normal), phase))
     return found
