@@ -110,3 +110,25 @@ def test_dry_friction_that_is_never_full(regularization, moment, speed, said, tm
     found = [one for one in warnings_of(text, tmp_path) if "dry friction" in one]
     assert len(found) == bool(said)
     assert not said or found[0].startswith("hinge 'hinge': its dry friction never reached") and said in found[0]
+
+
+@pytest.mark.parametrize(
+    ("natural", "speed", "said"),
+    [
+        ("0", 1.0, "angle reached 0.3"),
+        ("-0.15", -1.0, "angle reached -0.4"),  # the table reaches from -0.35 to 0.05 rad
+        ("0.15", 0.5, ""),
+        ("0.1*time", 1.0, ""),  # a set point that moves is not followed
+    ],
+)
+def test_a_hinge_that_leaves_the_table_of_its_law(natural, speed, said, tmp_path):
+    table = "{table: {points: [[-0.2, -0.1], [0, 0], [0.2, 0.1]]}}"
+    text = HEAD.replace("a: {position: [0, 0, 0], fixed: true}, ", "") + ROTOR
+    law = "{dry_friction: {force: 0.5, regularization: REGULARIZATION}}"
+    values = {law: f"{table}, natural_angle: {natural}", "MOMENT": 0, "SPEED": speed, "end: 0.5": "end: 0.4"}
+    for name, value in values.items():
+        text = text.replace(name, str(value))
+    found = warnings_of(text, tmp_path)
+    beyond = [one for one in found if "a table of the moment ends at " in one]
+    assert len(beyond) == bool(said)
+    assert not said or beyond[0].startswith(f"hinge 'hinge': {said}")

@@ -7,13 +7,14 @@ An angle is continued over whole turns with the memory of the last accepted step
 
 from dataclasses import replace
 
-from mecano.constraints.along_coordinate.demand import with_rate
+from mecano.constraints.along_coordinate.demand import is_formula, with_rate
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve, law_force, potential
+from mecano.laws.probe import table_limits
+from mecano.laws.table import evaluate_curve, law_force, potential, terms_of
 from mecano.maths.dual import value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
@@ -34,7 +35,27 @@ SLIDING_FIELDS = (
     ),
     Field("natural_displacement", CONTINUOUS_DRIVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
 )  # fmt: skip
+COORDINATES = (TURNING_FIELDS, "angle", "the moment"), (SLIDING_FIELDS, "displacement", "the force")
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
+
+
+def upper_limits(d):
+    """Return where a table of a law of a joint ends, as ``Kind.upper_limits``."""
+    return [limit for upper, _ in _table_limits(d) for limit in upper]
+
+
+def lower_limits(d):
+    """Return where a table of a law of a joint begins, as ``Kind.lower_limits``."""
+    return [limit for _, lower in _table_limits(d) for limit in lower]
+
+
+def _table_limits(d):
+    """Yield the ends of the tables of laws with a constant set point."""
+    for (law, set_point), output, what in COORDINATES:
+        moved = d.get(set_point.name)
+        if d.get(law.name) is None or is_formula(moved) or any(term != "constant" for term, _ in terms_of(moved)):
+            continue
+        yield table_limits(output, d[law.name], what, sum(values["value"] for _, values in terms_of(moved)))
 
 
 @kernel
