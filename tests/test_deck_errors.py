@@ -515,3 +515,14 @@ def test_the_error_is_one_a_command_line_can_return():
     with pytest.raises(DeckError) as info:
         read_fake("mecano: 1")
     assert info.value.exit_code == 2
+
+
+def test_an_inner_diameter_is_told_as_a_thickness():
+    """Then the thickness is not missing."""
+    section = "s: {type: tube, diameter: 200 mm, inner_diameter: 170 mm, E: 205 GPa, nu: 0.3, density: 7850}"
+    text = "mecano: 1\ngravity: none\nsections:\n  " + section + "\n"
+    text += "nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}\n"
+    text += "elements: {e: {type: beam, nodes: [a, b], section: s}}\ntime: {end: 1, step: 0.1}\n"
+    hint = "give the 'thickness' of the wall, half the difference of both diameters"
+    found = [text for text in problems_of(text) if "tube" in text]  # the kinds of these tests have no beam
+    assert found == [f"4:37 tube 's': unknown key 'inner_diameter'; {hint}"]

@@ -88,6 +88,8 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
     [
         ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
         ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
+        ("pendulum", "nodes.pin.orientation=[0, 5, 0]", "node 'pin': 'orientation' is 5 rad, more than half a turn"),
+        ("pendulum", "nodes.pin.orientation=[0, 3, 0]", ""),
         ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
         (
             "solar_array",

@@ -211,8 +211,9 @@ def _degrees(values, kinds):
     """Yield (path, text) on angles that look like degrees."""
     for name, d in values["nodes"].items():
         size = math.hypot(*d["orientation"])
-        if size > 2.0 * math.pi and all(_is_half(c) for c in d["orientation"]):
-            yield ("nodes", name, "orientation"), f"node '{name}': 'orientation' {MEANT_DEGREES.format(size)}"
+        if size > math.pi and all(_is_half(c) for c in d["orientation"]):
+            text = MEANT_DEGREES if size > 2.0 * math.pi else MEANT_DEGREES.replace("a turn", "half a turn")
+            yield ("nodes", name, "orientation"), f"node '{name}': 'orientation' {text.format(size)}"
     for section in SECTIONS:
         for name, d in values[section].items():
             for path, angle in _angles(kinds[d["type"]].fields, d):

@@ -23,6 +23,8 @@ IN_PLACE = {  # key -> (key that is known in its place, hint)
     "radius": ("diameter", "give the 'diameter', twice the radius"),
     "outer_radius": ("diameter", "give the 'diameter', twice the radius"),
     "diameter": ("radius", "give the 'radius', half the diameter"),
+    "inner_diameter": ("thickness", "give the 'thickness' of the wall, half the difference of both diameters"),
+    "inner_radius": ("thickness", "give the 'thickness' of the wall, the difference of both radii"),
 }
 ELSEWHERE = {  # names of keys: a key that is known there, where the value is given
     ("velocity", "velocities", "angular_velocity"): (
