@@ -673,3 +673,10 @@ SIZE = (
 def test_tyres_in_other_units(override, said):
     found = [one.message for one in input_deck("wheel_drop", override).warnings]
     assert found == [] if not said else found[0].startswith(f"tire law 'rubber': {said}")
+
+
+@pytest.mark.parametrize(("radius", "said"), [(10, "'friction.radius' is 10 m, and the model has"), (0.01, "")])
+def test_bearings_larger_than_the_model(radius, said):
+    friction = f"joints.hinge_a.friction={{coefficient: 0.1, regularization: 1 mm/s, radius: {radius}}}"
+    found = [text for text in warnings_of(prepare(input_deck("four_bar", friction))) if "friction.radius" in text]
+    assert len(found) == bool(said) and all(said in text for text in found)

@@ -35,7 +35,8 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, started = [*_strain_warnings(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
-    placed = [*_far(deck, system, s, length), *_one_point(deck, system), *_wide(deck, extent(system.nodes))]
+    size = extent(system.nodes)
+    placed = [*_far(deck, system, s, length), *_one_point(deck, system), *_wide(deck, size), *_bearings(deck, size)]
     firsts = [*_first(_without_copies(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unit_warnings(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
@@ -123,6 +124,18 @@ def _wide(deck, size):
                     f"{radius:.3g} m, and the model has a size of {size:.3g} m; are they in kg and kg m2?"
                 )
                 yield Problem(text, deck.mark("elements", name))
+
+
+def _bearings(deck, size):
+    """Yield warnings about friction in bearings that are larger than the model, of the ``size`` [m]."""
+    for name, d in deck.values["joints"].items() if size else ():
+        radius = (d.get("friction") or {}).get("radius") or 0.0
+        if radius > size:
+            text = (
+                f"{title_of(d['type'], name)}: 'friction.radius' is {radius:g} m, and the model has a size of "
+                f"{size:.3g} m; is it in mm?"
+            )
+            yield Problem(text, deck.mark("joints", name))
 
 
 def _turned(deck, system, s):
