@@ -25,6 +25,7 @@ from mecano.analyses.sweep import sweep, sweep_into
 from mecano.analyses.sweep_axis import Axis
 from mecano.analyses.sweep_text import _numbers, known_digits
 from mecano.errors import ConvergenceError, DeckError, ResultsError, UsageError
+from mecano.post import loci as loci_pictures
 from mecano.post.loci import _mark, _shortened, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
@@ -391,6 +392,11 @@ def test_map_files_and_pictures(tmp_path):
     assert float(rows[1][2]) == file.map["growth"][0, 0]
     with open(path.with_name("map_critical.csv"), newline="") as table:
         assert [row[:2] for row in csv.reader(table)] == [["speed", "damping"], [repr(float(border)), "24.0"]]
+    row = file.other.tolist().index(24.0)
+    across = loci_pictures.border(file)[row]
+    order = np.argsort(across)
+    assert np.interp(0.0, across[order], file.parameter[order]) == pytest.approx(float(border), rel=1e-9)
+    assert (np.sign(loci_pictures.border(file)) == np.sign(file.map["growth"])).all()
     ax, bar = sweep_figure(file).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed [m/s]", "damping [N m s/rad]")
     low, high = (min(file.map["growth"].flat), max(file.map["growth"].flat))

@@ -274,7 +274,7 @@ def _map(file, units):
     ticks = [tick for tick in ticks if lowest <= tick <= largest]
     figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable", ticks=ticks)
     if min(growth.shape) > 1 and growth.min() < 0.0 < growth.max():
-        ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)
+        ax.contour(file.parameter, file.other, border(file), levels=[0.0], colors=GREY, linewidths=0.8)
     _hatch_oscillations(ax, file, growth)
     for grows, marker in ((1.0, ">"), (0.0, "<")):
         own = file.critical["destabilizes"] == grows
@@ -287,6 +287,22 @@ def _map(file, units):
     if ax.get_legend_handles_labels()[0]:
         figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=3)
     return figure
+
+
+def border(file: SweepFile) -> np.ma.MaskedArray:
+    """Return a function (others, parameters) with the sign of the growth of a map, zero at its critical values.
+
+    The growth itself has kinks where another mode becomes the fastest, so that its interpolation has zeros elsewhere.
+    It is the distance along the parameter to a critical value beside, otherwise one interval of the sweep.
+    """
+    x, growth = file.parameter, np.ma.masked_invalid(file.map["growth"])
+    found = np.sign(growth) * float(np.diff(x).mean())
+    for value, other in zip(file.critical["parameter"], file.critical["other"], strict=True):
+        row, after = int(np.argmin(np.abs(file.other - other))), int(np.searchsorted(x, value))
+        if 0 < after < len(x) and found[row, after - 1] * found[row, after] < 0.0:
+            found[row, after - 1] = np.sign(found[row, after - 1]) * (value - x[after - 1])
+            found[row, after] = np.sign(found[row, after]) * (x[after] - value)
+    return found
 
 
 def _hatch_oscillations(ax, file, growth):
