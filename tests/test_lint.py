@@ -680,3 +680,27 @@ def test_bearings_larger_than_the_model(radius, said):
     friction = f"joints.hinge_a.friction={{coefficient: 0.1, regularization: 1 mm/s, radius: {radius}}}"
     found = [text for text in warnings_of(prepare(input_deck("four_bar", friction))) if "friction.radius" in text]
     assert len(found) == bool(said) and all(said in text for text in found)
+
+
+@pytest.mark.parametrize(
+    ("expression", "angle"),
+    [
+        ("2*cos(30)", "'cos(30)' the angle is 30 rad"), ("'=sin(-22.5)'", "'sin(-22.5)' the angle is 22.5 rad"),
+        ("cos($bare)", "'cos($bare)' the angle is 60 rad"), ("cos($tilt)", ""), ("cos(3)", ""), ("sin(7.1)", ""),
+        ("cos(30*pi/180)", ""),
+    ],
+)  # fmt: skip
+def test_angles_in_expressions_that_look_like_degrees(expression, angle):
+    """Of a position, and in a formula of a signal, at the place of the text."""
+    head = "mecano: 1\ngravity: none\nparameters: {tilt: 60 deg, bare: 60, none: $tilt + $bare}\n"
+    head += "nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [PLACE, 0, 1]}}\n"
+    head += (
+        "elements: {weight: {type: point_mass, node: b, mass: 1}, s: {type: cable, nodes: [a, b], E: 1e9, area: 1}}\n"
+    )
+    head += "loads: {push: {type: force, node: b, direction: [1, 0, 0], value: thrust}}\n"
+    head += "signals: {thrust: FORMULA}\ntime: {end: 1, step: 0.01}\n"
+    for place, formula, mark in ((expression, "1 + time", "4:63"), ("1", f"{expression} + time", "7:19")):
+        text = head.replace("PLACE", place).replace("FORMULA", formula.replace("'", "").replace("=", ""))
+        found = [one for one in deck(text).warnings if "more than a turn" in one.message]
+        assert len(found) == bool(angle)
+        assert not angle or (angle in found[0].message and str(found[0].mark) == f"test.yaml:{mark}")

@@ -9,7 +9,7 @@ from mecano.deck.laws import Law, law_or_name
 from mecano.deck.parameters import Refused
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope
 from mecano.deck.units import is_quantity
-from mecano.deck.values import in_range, number
+from mecano.deck.values import in_range, note_degrees, number
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
@@ -96,6 +96,8 @@ def _read(text, node, scope):
     for code, x in found.program:
         if code == NUMBER_STEP and not in_range(x):
             return scope.refuse_expression(node, ExpressionError(f"the formula {quoted(text)}: {x:g} is out of range"))
+    if "(" in text:
+        note_degrees(node, scope)
     return found
 
 

@@ -51,6 +51,8 @@ def plain_number(node: Node, field: Field, scope: Scope) -> int | float | Invali
         value = INVALID if wrong else scope.evaluated(node)
         if not given and value is not INVALID and "$" in node.value:
             _note_units(node, field, scope)
+        if value is not INVALID and "(" in node.value:
+            note_degrees(node, scope)
     return value if value is INVALID or type(value) in (int, float) else None
 
 
@@ -63,6 +65,14 @@ def _note_units(node, field, scope):
         name = scope.name_of(field.name)
         place = [scope.subject, f"the units of the expression {quoted(node.value)} do not agree", text]
         scope.doubts.append(Problem(": ".join(filter(None, [place[0], name and quoted(name), *place[1:]])), node.mark))
+
+
+def note_degrees(node: Node, scope: Scope) -> None:
+    """Note a warning if an angle in the expression or formula of a node looks like degrees."""
+    from mecano.deck.degrees_in_functions import meant_degrees  # few decks have functions
+
+    if text := meant_degrees(node.value, scope.parameters):
+        scope.doubts.append(Problem(": ".join(filter(None, [scope.subject, text])), node.mark))
 
 
 def _quantity(node, text, field, scope, parameter=""):
