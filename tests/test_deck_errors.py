@@ -526,3 +526,12 @@ def test_an_inner_diameter_is_told_as_a_thickness():
     hint = "give the 'thickness' of the wall, half the difference of both diameters"
     found = [text for text in problems_of(text) if "tube" in text]  # the kinds of these tests have no beam
     assert found == [f"4:37 tube 's': unknown key 'inner_diameter'; {hint}"]
+
+
+def test_a_key_that_is_misspelt_in_many_entries_is_one_error_in_each():
+    """Also beyond the number of hints that a deck is given: the key that is meant is not missing besides."""
+    nodes = "".join(f"  n{i}: {{positon: [0, 0, 0]}}\n" for i in range(150))
+    found = problems_of(f"mecano: 1\ngravity: none\nnodes:\n{nodes}")
+    misspelt = [text for text in found if "n149" in text or "unknown key 'positon'" in text]
+    assert len(misspelt) == 150 and all("did you mean 'position'?" in text for text in misspelt)
+    assert not any("missing 'position'" in text for text in found)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 MAX_PROBLEMS = 10_000
 MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
 MAX_SUGGESTIONS = 100
+MAX_REMEMBERED = 50  # words that are known, of suggestions that are kept
 QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
 KEYWORDS = {  # type -> keywords that may replace a value
     "boolean": lambda type_: ("true", "false"),
@@ -95,6 +96,7 @@ class Scope:
     owner: Node | None = None  # node of the key of the current value: a missing key is reported here
     suggestions: int = 0
     compared: int = 0  # words compared for suggestions
+    suggested: dict[tuple[str, ...], str] = field(default_factory=dict)  # (word, known words) -> hint
 
     def refuse(self, node: Node, message: str, hint: str = "") -> Invalid:
         """Report a problem of the subject at the position of a node; return INVALID."""
@@ -158,11 +160,17 @@ class Scope:
         return {**used, "parameters": self.parameters.used}
 
     def suggest(self, word: str, known: Collection[str]) -> str:
-        """Return a hint for an unknown word, as long as few hints have been given."""
+        """Return a hint for an unknown word, as long as few different hints have been given."""
+        again = (word, *known) if len(known) <= MAX_REMEMBERED else None  # a key that is misspelt in all entries
+        if again in self.suggested:
+            return self.suggested[again]
         self.suggestions += 1
         self.compared += len(known)
         few = self.suggestions <= MAX_SUGGESTIONS and self.compared <= MAX_COMPARED
-        return suggestion(word, known) if few else ""
+        hint = suggestion(word, known) if few else ""
+        if again:
+            self.suggested[again] = hint
+        return hint
 
     def evaluated(self, node: Node) -> float | Invalid | None:
         """Return the number of an expression; None if the text is not an expression."""
