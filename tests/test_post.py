@@ -252,6 +252,15 @@ def test_noise_beside_a_signal_is_not_shown(runs):
     )
 
 
+@pytest.mark.parametrize("unit", ["rad", "deg"])
+def test_angles_of_rounding_errors_are_not_shown(runs, unit):
+    """Also not those of a signal, for which its deck declares degrees."""
+    (angle,) = find(runs[0].results, "one_hinge.angle")
+    for size, shown in ((1e-13, 0), (1e-3, 1)):
+        small = replace(angle, unit=unit, values=size * angle.values / np.abs(angle.values).max())
+        assert len(worth_showing([Panel("angle", (Curve(angle, small, 0, "a"),))], runs)) == shown
+
+
 def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
     monkeypatch.setitem(style.SETTINGS, "figure.dpi", 60)
     written = list(post([path], output=f"{tmp_path}/pictures/", columns=True))

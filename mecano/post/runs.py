@@ -82,7 +82,8 @@ class Run:
         lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]
         length = max(filter(np.isfinite, lengths), default=0.0)
         duration = float(np.ptp(self.results.time)) or 1.0
-        return {"m": length, "m/s": length / duration, "rad": 1.0, "rad/s": 1.0 / duration}
+        angles = {"rad": 1.0, "deg": float(np.degrees(1.0)), "rad/s": 1.0 / duration}
+        return {"m": length, "m/s": length / duration, **angles}
 
     @cached_property
     def force_noise(self) -> float:
