@@ -8,6 +8,7 @@ above v^2 = g r/3.
 
 import csv
 import json
+import math
 import re
 import textwrap
 from dataclasses import replace
@@ -746,3 +747,33 @@ def test_modes_that_cross_keep_their_shapes():
     np.testing.assert_allclose(imaginary[1].imag, 4.0 - places)
     ends = sorted(row[-1].real for row in values if row[-1].real)
     np.testing.assert_allclose(ends, -5.0 + np.sqrt(1.8) * np.array([-1.0, 1.0]))
+
+
+LEANING = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    parameters: {lean: 10 deg}
+    nodes: {pin: {position: [0, 0, 0]}}
+    elements:
+      bar: {type: rigid_body, node: pin, mass: 1, center_of_mass: [0, 0, 0.5], inertia: [0.1, 0.1, 1.0e-4]}
+    joints:
+      hinge:
+        {type: hinge, nodes: [ground, pin], axis: [0, cos($lean), sin($lean)], turning_law: {spring: 1, damper: 0.1}}
+    time: {end: 1, step: 0.01}
+    """
+
+
+def test_angles_are_in_degrees_for_people_and_in_radians_in_files(tmp_path):
+    """A pole of 1 kg and 0.5 m on a spring of 1 N m/rad stands from the lean a on with m g l cos(a)^2 = 1 N m."""
+    path, poles = tmp_path / "poles.h5", tmp_path / "poles.yaml"
+    poles.write_text(textwrap.dedent(LEANING))
+    text, _ = sweep_into(path, poles, (), ["lean=40 deg:80 deg:10 deg"])
+    place = math.acos(math.sqrt(1.0 / (9.81 * 0.5)))
+    assert "modes over lean, 5 values from 40 to 80 deg\n" in text and "\nlean [deg]  growing" in text
+    [found] = re.findall("critical lean ([0-9.]+): mode 1 \\(diverges\\) grows below it", text)
+    assert float(found) == pytest.approx(math.degrees(place), rel=1e-7) and "unstable at lean 40 to 60" in text
+    file = read_sweep(path)
+    np.testing.assert_allclose(file.parameter, np.deg2rad([40.0, 50.0, 60.0, 70.0, 80.0]), rtol=1e-14)
+    np.testing.assert_allclose(file.critical["parameter"], place, rtol=1e-7)
+    ax = sweep_figure(file).axes[1]
+    assert ax.get_xlabel() == "lean [deg]" and [text.get_text() for text in ax.texts] == [f"{math.degrees(place):.5g}"]

@@ -261,13 +261,13 @@ def _locus(case, axis, other, reported, orders):
         locus.whirl = _by_branch(shown, spectra, "whirl", np.nan)
         locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
         locus.resonances, missed = resonances(shown, spectra, axis.values, orders, spectrum_at)
-        unrefined += [_not_refined_text(case.rotor, axis.name, *one) for one in missed]
+        unrefined += [_not_refined_text(case.rotor, axis, *one) for one in missed]
     return locus
 
 
-def _not_refined_text(rotor, name, branch, order, low, high):
+def _not_refined_text(rotor, axis, branch, order, low, high):
     """Return the text on a resonance that was not refined."""
-    between = f"between {name} {low:.9g} and {high:.9g}"
+    between = f"between {axis.name} {low / axis.size:.9g} and {high / axis.size:.9g}"
     return f"mode {branch + 1} has {order:g} times the speed of '{rotor}' {between}; its value was not refined"
 
 
@@ -321,12 +321,12 @@ def _criticals(axis, rows, spectra, spectrum_at):
             try:
                 at = critical(noted, left, right, branch)
             except FAILED as error:
-                cause = f"no state was found at {place:.9g}: {_first_line(error)}"
+                cause = f"no state was found at {place / axis.size:.9g}: {_first_line(error)}"
             if at is not None:
                 found.append(at)
                 continue
             becomes = f"mode {branch + 1} becomes {'unstable' if grows[i + 1] else 'stable'}"
-            between = f"between {axis.name} {left[0]:.9g} and {right[0]:.9g}"
+            between = f"between {axis.name} {left[0] / axis.size:.9g} and {right[0] / axis.size:.9g}"
             unrefined.append(f"{becomes} {between}; the critical value was not refined, because {cause}")
     return _distinct(sorted(found, key=lambda c: c.place)), unrefined
 
@@ -345,7 +345,8 @@ def _unseen(axis, count, rows, spectra):
     borders = (count[:-1] >= 0) & (count[1:] >= 0) & np.diff(count > 0) & ~crossed
     for i in np.flatnonzero(borders).tolist():
         what = f"growth {'begins' if count[i + 1] else 'ends'}"
-        between = f"between {axis.name} {axis.values[i]:.9g} and {axis.values[i + 1]:.9g}"
+        low, high = axis.values[i : i + 2] / axis.size
+        between = f"between {axis.name} {low:.9g} and {high:.9g}"
         yield f"{what} {between}; the critical value was not refined, because no mode has a branch at both"
 
 

@@ -1,8 +1,9 @@
 """A parameter of a sweep and its values, as written on the command line: a range or a list, with or without units."""
 
+import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -26,6 +27,16 @@ class Axis:
     name: str
     values: np.ndarray
     unit: str = ""
+
+    @property
+    def displayed(self) -> "Axis":
+        """The same Axis for people: angles that are written with a unit in degrees."""
+        return self if self.unit != "rad" else replace(self, values=np.degrees(self.values), unit="deg")
+
+    @property
+    def size(self) -> float:
+        """Value, in the units of ``values``, of the unit of ``displayed``."""
+        return 1.0 if self.unit != "rad" else math.radians(1.0)
 
     @classmethod
     def parse(cls, text: str, parameters: Iterable[str]) -> Self:

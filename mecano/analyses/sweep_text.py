@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ MOST_ROWS, MOST_DIGITS, INSTANT_DIGITS = 200, 11, 3
 
 def lines(sweep: "Sweep") -> Iterator[str]:
     """Yield the lines of the table: the least stable mode at each value, the modes, the critical values."""
+    sweep = _displayed(sweep)
     first = sweep.axes[0]
     span = f"from {first.values[0]:g} to {first.values[-1]:g} {first.unit}".rstrip()
     yield f"modes over {first.name}, {len(first.values)} values {span}"
@@ -38,9 +40,24 @@ def lines(sweep: "Sweep") -> Iterator[str]:
         yield from (f"  {text}" for text in _critical(first.name, locus))
 
 
+def _displayed(sweep):
+    """Return the Sweep with values of its axes for people: angles in degrees."""
+    axes = tuple(axis.displayed for axis in sweep.axes)
+    return replace(sweep, axes=axes, loci=[_in_units_of(locus, axes[0]) for locus in sweep.loci])
+
+
+def _in_units_of(locus, axis):
+    """Return a Locus with the values of a displayed Axis."""
+    size = locus.axis.size
+    critical = [replace(one, place=one.place / size, error=one.error / size) for one in locus.critical]
+    resonances = [replace(one, place=one.place / size) for one in locus.resonances]
+    return replace(locus, axis=axis, critical=critical, resonances=resonances)
+
+
 def _state_lines(axis, locus):
     """Yield a line for each value: the number of growing modes, and the least stable mode."""
-    rows = [(axis.name, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
+    head = f"{axis.name} [{axis.unit}]" if axis.unit else axis.name
+    rows = [(head, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
     for i, value in enumerate(axis.values):
         if locus.count[i] < 0:
             rows.append((f"{value:.9g}", "-", "-", "no state", "-", "-"))

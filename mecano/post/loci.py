@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -48,6 +49,7 @@ def sweep_figure(file: SweepFile, below: float | None = None, above: float | Non
     given = [name for name, value in (("--below", below), ("--above", above)) if value is not None]
     if is_map and given:
         raise UsageError(f"{given[0]}: {file.path} is a map of stability, which shows the least stable of all modes")
+    file, units = _displayed(file, units)
     with matplotlib.rc_context(SETTINGS):
         if file.rotor:
             return campbell_figure(file, below, above)
@@ -61,6 +63,15 @@ def _units(file):
     written = parameters_of(str(file.path), text)
     paths = [name if "." in name else f"parameters.{name}" for name in file.names]
     return [unit_of(path, resolved, [written.get(path)]) or unit for path, unit in zip(paths, file.units, strict=True)]
+
+
+def _displayed(file, units):
+    """Return a SweepFile and the units of its parameters for people: angles in degrees."""
+    for name, unit in zip(("parameter", "other"), units, strict=False):
+        if unit == "rad":
+            critical = {**file.critical, name: np.degrees(file.critical[name])}
+            file = replace(file, critical=critical, **{name: np.degrees(getattr(file, name))})
+    return file, ["deg" if unit == "rad" else unit for unit in units]
 
 
 def _headed(file, size):
