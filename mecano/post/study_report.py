@@ -1,8 +1,8 @@
 """The report on a study as data: governing cases, statistics, all cases, pictures, the study file."""
 
+import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,16 +14,13 @@ from mecano.post.study_statistics import statistics
 from mecano.post.style import with_unit
 from mecano.results.study_file import FAIL, read_study
 
-if TYPE_CHECKING:
-    import os
-
 COMPLETE = "complete"
 NUMBER = re.compile(r"(?<![\w'.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w'])")  # in a warning, not in the name of an element
 MOST_WARNINGS = 20  # different ones that are shown
 MOST_CASES = 8  # beyond a limit, that are named
 
 
-def study_report(path: "str | os.PathLike[str]", title: str | None = None) -> Report:
+def study_report(path: str | os.PathLike[str], title: str | None = None) -> Report:
     """Return the Report of the table of a study. Raises ResultsError."""
     table = read_study(path)
     sections = (
@@ -31,7 +28,7 @@ def study_report(path: "str | os.PathLike[str]", title: str | None = None) -> Re
         Section("Statistics", tuple(statistics(table))), Section("Cases", tuple(_cases(table))),
         Section("Cases that are not complete", tuple(_incomplete(table))), Section("Warnings", tuple(_warnings(table))),
         Section("Pictures", tuple(_pictures(table))),
-        Section("Study", (Text(f"Deck: {table.deck}"), Text(table.text, True, "The study file"))),
+        Section("Study", (Text(f"Deck: {os.path.normpath(table.deck)}"), Text(table.text, True, "The study file"))),
     )  # fmt: skip
     kept = tuple(section for section in sections if section.parts)
     complete = all(status == COMPLETE for status in table["case/status"])
