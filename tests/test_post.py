@@ -552,6 +552,8 @@ class TestRequests:
             self.sheet("one_spring.force", runs)
 
     def test_unknown_names_are_answered_with_similar_ones(self, runs):
+        with pytest.raises(UnknownNameError, match=r"'one_wheel.work'.* \(the work is a signal of the type 'int"):
+            self.sheet("one_wheel.work", runs)
         with pytest.raises(UnknownNameError, match="each.h5.*'one_wheel.radal_force'.*did you mean.*radial_force"):
             self.sheet("one_wheel.radal_force", runs)
         assert UnknownNameError.exit_code == UsageError.exit_code == 2

@@ -78,7 +78,11 @@ def test_the_power_of_a_prescribed_motion():
 
 @pytest.mark.parametrize(
     ("name", "said"),
-    [("beam.dissipated_power", "'energy.dissipated'"), ("push.given_powr", "did you mean 'given_power'?")],
+    [
+        ("beam.dissipated_power", "'energy.dissipated'"),
+        ("push.given_powr", "did you mean 'given_power'?"),
+        ("push.work", "it is the integral, by a signal of the type 'integrator', of its 'given_power'"),
+    ],
 )
 def test_powers_that_cannot_be_read(name, said):
     with pytest.raises(DeckError) as error:

@@ -22,6 +22,7 @@ OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to r
     "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
 }
 VALUE = "value"
+WORK = ("work", "energy", "heat", "dissipated_energy", "given_energy")  # names that an integral may be given
 RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an output with another name may be given
 
 
@@ -99,6 +100,8 @@ def _advice(what, kind=None, d=None):
         return "the value of a signal is written as its name alone"
     if chosen.hidden.get(name):
         return chosen.hidden[name]
+    if name in WORK and powers(chosen):
+        return "it is the integral, by a signal of the type 'integrator', of its 'given_power' or 'dissipated_power'"
     for o in chosen.outputs:
         if o.shape and o.name == name:
             return f"write {', '.join(quantities(o))}"

@@ -20,7 +20,7 @@ import numpy as np
 
 from mecano.deck.units import ANY, factor_of
 from mecano.deck.wording import suggestion
-from mecano.errors import UsageError
+from mecano.errors import UnknownNameError, UsageError
 from mecano.post import recovered
 from mecano.results.recorded import MAGNITUDE
 
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from mecano.post.sheet import Peak
     from mecano.results.reader import Results
 
+BY_SIGNALS = dict.fromkeys(
+    ("given_power", "dissipated_power"), "signals read these powers in a run: add one that does to the deck"
+) | {"work": "the work is a signal of the type 'integrator' of the 'given_power' in the deck"}
+"""Hints on quantities that only signals compute, by their last word."""
 SAVED, STEPS = "saved times", "accepted steps"
 
 
@@ -159,7 +163,12 @@ def _found(results, name):
     stem, _, last = name.replace("/", ".").rpartition(".")
     if last in DERIVED:
         return [_derived(results, stem, last)]
-    return _components(results.find(name))
+    try:
+        return _components(results.find(name))
+    except UnknownNameError as error:
+        if last not in BY_SIGNALS:
+            raise
+        raise UnknownNameError(f"{error} ({BY_SIGNALS[last]})") from None
 
 
 def peak_of(results: "Results", quantity: Quantity) -> "Peak":
