@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.deck.examples import example_lines
-from mecano.model.measured_outputs import measurable
+from mecano.model.measured_outputs import measurable, powers
 from mecano.schema import Field, Type
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def describe(kind: "Kind") -> str:
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
-    names = [output.name for output in measurable(kind)]
+    names = [*(output.name for output in measurable(kind)), *powers(kind)]
     if names and kind.section != "signals":
         parts += ["", *wrap(f"Signals can read its {', '.join(names)} (mecano explain signals).", WIDTH)]
     for field in dict.fromkeys(field for field, _, _ in kind.optional):
