@@ -2,11 +2,11 @@ r"""Formula: a signal that is a function of outputs of elements, other signals, 
 
 .. math::  y = c(u_1, ..., u_n, t)
 
-It may contain numbers, parameters (``$gain``), ``time``, ``pi``, signals by name and their outputs (``path.slope``),
-outputs of elements and joints (``elbow.angle``, ``strut.force``) and their powers (``motor.given_power``,
-``strut.dissipated_power``), the motion of nodes (``tip.position.z``, ``tip.velocity.x``, ``tip.angular_velocity.y``), +
-- * / ** ( ), and the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, log, tanh, hypot, abs, sign, min,
-max. All are in SI units and radians. If a name occurs in two sections of the deck, prefix the section:
+It may contain numbers, parameters (``$gain``), ``time``, ``pi``, + - * / ** ( ), signals by name and their outputs
+(``path.slope``), outputs of elements and joints (``elbow.angle``, ``strut.force``) and their powers
+(``motor.given_power``, ``strut.dissipated_power``), the motion of nodes (``tip.position.z``, ``tip.velocity.x``,
+``tip.angular_velocity.y``), and the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, log, tanh, hypot, abs,
+sign, min, max. All are in SI units and radians. If a name occurs in two sections of the deck, prefix the section:
 ``joints.elbow.angle``. In the section ``signals`` the formula alone suffices: ``torque: 40*error``.
 
 y is an unknown of the model: the implicit step has the exact derivatives of forces that depend on it, and signals that
