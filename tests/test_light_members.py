@@ -1,10 +1,11 @@
-"""Modes of heavy bodies on much lighter beams, whose frequencies lie nine orders of magnitude above the wanted ones."""
+"""Heavy bodies with members that are much lighter: modes nine orders of magnitude below others, motion beside them."""
 
 import math
 
 import numpy as np
 import pytest
-from time_runs import deck
+from scipy.integrate import solve_ivp
+from time_runs import RecordedRun, deck
 
 from mecano.analyses.modal import modes
 
@@ -67,3 +68,48 @@ def test_a_light_boom_with_damping(verify):
     what = "heavy tip on a damped light boom: natural circular frequencies [1/s], damping ratios"
     got = [*np.abs(found.values[:2]), *found.damping_ratio[:2]]
     verify("Modes", what, got, exact, "c omega/2", relative=1e-5)
+
+
+PENDULUM = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      upper: {{position: [0, 0, 0]}}
+      joint: {{position: [0.1, 0, 0]}}
+      lower: {{position: [0.1, 0, 0]}}
+      heavy: {{position: [5, 0, 0]}}
+    elements:
+      upper: {{type: rigid_body, node: upper, mass: 0.002, center_of_mass: [0.05, 0, 0], inertia: [1e-7, 2e-6, 2e-6],
+               attached: [joint]}}
+      lower: {{type: rigid_body, node: lower, mass: 0.001, center_of_mass: [0.05, 0, 0], inertia: [1e-7, 1e-6, 1e-6]}}
+      heavy: {{type: rigid_body, node: heavy, mass: {mass}, inertia: [1, 1, 1]}}
+    joints:
+      shoulder: {{type: hinge, nodes: [ground, upper], axis: [0, 1, 0]}}
+      elbow: {{type: hinge, nodes: [joint, lower], axis: [0, 1, 0]}}
+      guide: {{type: prismatic, nodes: [ground, heavy], axis: [0, 0, 1], sliding_law: {{spring: {stiffness}}}}}
+    time: {{end: 0.4, step: {step}}}
+"""
+
+
+def double_pendulum(end):
+    """Height of the elbow at the end, from Lagrange's equations in the angles of both bodies below the horizontal."""
+    length, arm, first, second = 0.1, 0.05, 2e-6 + 0.002 * 0.05**2 + 0.001 * 0.1**2, 1e-6 + 0.001 * 0.05**2
+
+    def rates(_, y):
+        (a, b), (da, db), g, m = y[:2], y[2:], 9.81, 0.001
+        c, s = m * length * arm * np.cos(a - b), m * length * arm * np.sin(a - b)
+        right = [g * (0.002 * 0.05 + m * length) * np.cos(a) - s * db**2, g * m * arm * np.cos(b) + s * da**2]
+        return [da, db, *np.linalg.solve([[first, c], [c, second]], right)]
+
+    return -length * np.sin(solve_ivp(rates, (0, end), [0.0] * 4, rtol=1e-10, atol=1e-12).y[0, -1])
+
+
+@pytest.mark.parametrize("mass", [1e-3, 1e3, 1e6])
+def test_a_light_mechanism_beside_a_heavy_body(mass):
+    """The error is that of the steps, of second order, whatever else the model contains."""
+    errors = []
+    for step in (1e-3, 5e-4):
+        run = RecordedRun(deck(PENDULUM.format(mass=mass, stiffness=1e3 * mass, step=step)))
+        errors.append(abs(run["nodes/joint/position"][-1, 2] - double_pendulum(0.4)))
+    assert errors[0] < 2e-5
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.2)

@@ -14,8 +14,7 @@ from mecano.elements import KINDS
 from mecano.errors import Problem, name_list
 from mecano.laws.probe import curve_at
 from mecano.maths.inertia import inertia_matrix
-from mecano.model.extent import extent
-from mecano.model.model import title_of
+from mecano.model.model import extent, title_of
 from mecano.model.numbering import ROTATION
 from mecano.model.signal_units import drives_with_units, unlike_sums
 from mecano.solve.time.massless import loose_knots, massless_unknowns

@@ -15,8 +15,7 @@ from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.deck.short_bumps import turn_over_bumps
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
-from mecano.model.extent import length_scale
-from mecano.model.model import title_of
+from mecano.model.model import length_scale, title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.process.interrupt import call_interruptibly
@@ -320,7 +319,7 @@ def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunSta
     if prepared.deck.values["time"]["method"] == "radau":  # has no penalty, and limits errors instead of residuals
         return chosen
     return chosen | {
-        "penalty": start.history.k if method.penalty is None else method.penalty,
+        "penalty": method.penalty_share * start.history.k if method.penalty is None else method.penalty,
         "increment_tolerance": method.tolerances.increment,
         "force_tolerance": method.tolerances.force,
     }

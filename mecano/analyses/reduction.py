@@ -10,9 +10,8 @@ from mecano.deck.build import build
 from mecano.deck.physics import element_nodes
 from mecano.elements import KINDS
 from mecano.errors import UsageError
-from mecano.model.extent import length_scale
 from mecano.model.mesh import divided, inner_names
-from mecano.model.model import Model, Node
+from mecano.model.model import Model, Node, length_scale
 from mecano.model.quantity_names import UnknownQuantity
 from mecano.model.system import System
 from mecano.results.whole_file import atomic_file, refuse_present

@@ -1,5 +1,6 @@
 """A model as defined by a deck or a script: nodes and elements by name, before the numbering."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -43,6 +44,17 @@ class Model:
 
 
 GROUND = "ground"
+
+
+def extent(nodes: Iterable[Node]) -> float:
+    """Return the diagonal of the box around nodes [m]; 0 for a single point or none."""
+    x = np.array([node.x for node in nodes])
+    return float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
+
+
+def length_scale(nodes: Iterable[Node]) -> float:
+    """Return the size of the mechanism [m], the diagonal of the box around its nodes; 1 m for a single point."""
+    return extent(nodes) or 1.0
 
 
 def title_of(kind: str, name: str) -> str:

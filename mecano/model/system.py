@@ -14,13 +14,12 @@ from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
 from mecano.model.batch import Batch, batches, calling, followers
 from mecano.model.expansion import expand
-from mecano.model.extent import length_scale
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
 from mecano.model.loop_records import SYSTEM, WORD, record
 from mecano.model.mesh import divided
-from mecano.model.model import Model, with_ground
-from mecano.model.numbering import LENGTH_CONSTRAINT, SCALAR, SIGNAL, STATE, EquationName, number
+from mecano.model.model import Model, length_scale, with_ground
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, STATE, TRANSLATION, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.sparse_pattern import sparse_pattern
@@ -117,6 +116,19 @@ class System:
         words = self._record_of_tables.view(np.int64).copy()  # a record is copied, and written, field by field
         words[[WORD[name] for name in arrays]] = [array.ctypes.data for array in arrays.values()]
         return words.view(SYSTEM)
+
+    @cached_property
+    def penalty_share(self) -> float:
+        """Share of the mean stiffness of a step that is its penalty: the harmonic over the arithmetic mean of masses.
+
+        With a penalty far above the stiffness of a light body in a short step, its mass over the square of the step,
+        rounding would leave few digits of the forces on it; nodes without mass do not need that much. The masses are
+        those at the start, inertias over the square of the length scale.
+        """
+        data, kind = self.assemble(self.initial_state(0.0), cM=1.0).data, self.numbering.kind[: self.n_q]
+        masses = data[self.diagonal[: self.n_q]] / np.where(kind == ROTATION, self.context.length**2, 1.0)
+        masses = masses[(masses > 0.0) & ((kind == TRANSLATION) | (kind == ROTATION))]
+        return float(1.0 / (masses.mean() * (1.0 / masses).mean())) if len(masses) else 1.0
 
     def kept(self, make: "Callable[[System], Made]") -> Made:
         """Return ``make(system)``, computed once and kept as long as the system."""

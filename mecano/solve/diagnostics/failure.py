@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
-from mecano.model.extent import length_scale
+from mecano.model.model import length_scale
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, TRANSLATION
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE
 from mecano.solve.linear.rounding import TINY

@@ -50,6 +50,7 @@ class Compliance:
     force: float  # [N] that displaces a length constraint by SOFTNESS of the length scale
     values: np.ndarray  # (nnz,) in a step
     penalty_factors: np.ndarray  # (n_l,) of the System
+    penalty_share: float  # of the System
 
     @cached_property
     def released(self) -> np.ndarray:
@@ -115,7 +116,7 @@ class Compliance:
         ``x`` (n_l,) is the solution of the system of consistent.py for ``bottom``. A reaction there is
         :math:`k x - p B a`, the share of the penalty p included.
         """
-        rows, out, factors = self.released, bottom.copy(), self.penalty_factors
+        rows, out, factors = self.released, bottom.copy(), self.penalty_share * self.penalty_factors
         forces = k * x + factors * bottom
         reached = -k * RELEASED_COMPLIANCE * x[rows] - bottom[rows]  # k B a
         forces[rows] = k * x[rows] - factors[rows] * reached
@@ -128,7 +129,8 @@ class Compliance:
         c = self.matrix
         of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
         own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "force": self.force,
-               "values": self.values, "penalty_factors": self.penalty_factors}  # fmt: skip
+               "values": self.values, "penalty_factors": self.penalty_factors,
+               "penalty_share": np.array(self.penalty_share)}  # fmt: skip
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
@@ -136,7 +138,7 @@ class Compliance:
         """Restore the compliances from the dict of ``to_plain``."""
         matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
         own = (plain[name] for name in ("places", "of_rates", "let_go", "active", "force"))
-        return cls(matrix, *own, plain["values"].copy(), plain["penalty_factors"])
+        return cls(matrix, *own, plain["values"].copy(), plain["penalty_factors"], float(plain["penalty_share"]))
 
 
 OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compliances
@@ -208,8 +210,8 @@ def compliance(
     rows, is_released = matrix.rows, np.zeros(system.n_l, bool)
     is_released[analysis.released] = True
     places, released = _places(system, rows, matrix.columns), is_released[rows]
-    values, factors = matrix.values.copy(), system.penalty_factors
-    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, values, factors)
+    own = matrix.values.copy(), system.penalty_factors, system.penalty_share
+    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, *own)
 
 
 def _largest_force(system, s, length, end):

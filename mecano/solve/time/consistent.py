@@ -5,8 +5,8 @@ All three come from one matrix, factored once,
 .. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -k^2 c \end{bmatrix},
 
 with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty p, k times
-the ``penalty_factors`` of the system, makes it regular for nodes without mass; the compliances c are zero unless
-constraints are redundant.
+the ``penalty_share`` and the factors of the system, makes it regular for nodes without mass; the compliances c are
+zero unless constraints are redundant.
 """
 
 from typing import TYPE_CHECKING
@@ -53,7 +53,7 @@ class Consistent:
         data, self.loose, self.k, self.softness = system.kept(ConstrainedMass).at(s, length, compliance)
         scalars = system.numbering.kind[: system.n_q] == SCALAR
         self.massless = MasslessScalars(system, np.flatnonzero(self.loose & scalars))
-        self.penalty = self.k * system.penalty_factors
+        self.penalty = self.k * system.penalty_share * system.penalty_factors
         self.data, self.bare, self.compliance = data, system.bare(s), compliance
         self._factor()
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 # Numbers and addresses; flags of the unknowns: ``signals``, ``massless`` (by their kinds), ``loose`` (at the state)
 MASS = fields(
-    floats="k length softness",
+    floats="k length softness penalty_share",
     words="n_q n_l n n_all n_rotations nnz n_data system z a T kind rows columns diagonal signals massless loose alone "
     "by_positions plain penalized derivatives "
     "n_entries penalty_factors entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection "
@@ -61,7 +61,8 @@ def assemble_mass(mass: Records(MASS), s: Instant):
     bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (3 * m.n_rotations, 3, 3))
     assemble(tangent_loops(m), system, bare, T, 1.0, 0.0, 0.0, 0.0, 1.0)
     m.k = mean_mass(m)
-    add(loops_at(m.n_position_loops, m.position_loops, m.position_batches), system, bare, T, m.k, m.k, 1.0, 0.0)
+    penalty, loops = m.k * m.penalty_share, loops_at(m.n_position_loops, m.position_loops, m.position_batches)
+    add(loops, system, bare, T, m.k, penalty, 1.0, 0.0)
     if m.n_rate_loops:
         add_rates(m, system, bare, T)
     hold_loose(m)
@@ -103,7 +104,7 @@ def add_rates(m, system, bare, T):
     loops, own = loops_at(m.n_rate_loops, m.rate_loops, m.rate_batches), system[0].data
     add_alone(m, system, loops, bare, T, 0.0, 1.0, 0.0, m.by_positions)
     add_alone(m, system, loops, bare, T, 0.0, 0.0, 1.0, m.plain)
-    add_alone(m, system, loops, bare, T, m.k, 0.0, 1.0, m.penalized)
+    add_alone(m, system, loops, bare, T, m.k * m.penalty_share, 0.0, 1.0, m.penalized)
     system[0].data = own
     data, rows, columns = values_of(m), integers(m.rows, m.nnz), integers(m.columns, m.nnz)
     by_positions, plain, penalized = (
@@ -219,7 +220,8 @@ def accelerate(m, s, v, z_out, a_out):
         a_out[i] = 0.0
     factors = floats(m.penalty_factors, m.n_l)
     for i in range(m.n_l):
-        z_out[m.n_q + i] = m.k * x[m.n_q + i] + (m.k * factors[i]) * g[i, SECOND]  # to the bits of consistent.py
+        penalty = m.k * m.penalty_share * factors[i]
+        z_out[m.n_q + i] = m.k * x[m.n_q + i] + penalty * g[i, SECOND]  # to the bits of consistent.py
     if m.n_entries:
         kept = floats(m.violated, m.n_l)
         deflect(m, x[m.n_q : m.n], m.k, kept)
@@ -273,7 +275,8 @@ class ConstrainedMass(Pointers):
             T=np.tile(np.eye(3), (3 * len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
             diagonal=system.diagonal, signals=system.signals.astype(np.int64),
             massless=system.massless.astype(np.int64), loose=np.zeros(of.n_q, np.int64), alone=np.zeros(of.n, np.int64),
-            derivatives=np.zeros((of.n_l, 3)), penalty_factors=system.penalty_factors, deflection=np.zeros(of.n_l),
+            derivatives=np.zeros((of.n_l, 3)), penalty_factors=system.penalty_factors,
+            penalty_share=system.penalty_share, deflection=np.zeros(of.n_l),
             violated=np.zeros(of.n_l), right=np.zeros(of.n),
             solution=np.zeros(of.n), solve_results=np.zeros(len(multifrontal.solve.returns)),
             **compliance_fields(None),

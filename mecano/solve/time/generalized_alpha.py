@@ -89,7 +89,7 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances
         self.k, self.penalty, self.duration, self.tolerance = k, penalty, duration, tolerance
-        self.patience = PATIENCE
+        self.penalty_share, self.patience = system.penalty_share, PATIENCE
         self.compiled_restart: Restart | None = None
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None
@@ -128,7 +128,7 @@ class GeneralizedAlpha:
             increment_tolerance=to.increment, most=to.max_iterations, increment=self.increment, kind=self._kind,
             n_massless=len(self._massless), massless=self._massless,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
-            exact_rates=exact_rates, solve=new.function, solve_words=new.words,
+            penalty_share=self.penalty_share, exact_rates=exact_rates, solve=new.function, solve_words=new.words,
             solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
             substitute_words=kept.words,
         )  # fmt: skip
@@ -271,8 +271,8 @@ class GeneralizedAlpha:
         """Do nothing: the ``output`` of steps interpolates between their ends."""
 
     def _weights(self, history, h):
-        """Return (Weights, penalty) of a step, with k and penalty of the deck or the mean stiffness in the history."""
-        c, penalty = self.coefficients, history.k if self.penalty is None else self.penalty
+        """Return (Weights, penalty) of a step, with k and penalty of the deck or by the mean stiffness in the history."""
+        c, penalty = self.coefficients, self.penalty_share * history.k if self.penalty is None else self.penalty
         cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty(history.k))

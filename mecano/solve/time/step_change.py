@@ -217,7 +217,7 @@ def scale_constraints(w, h, as_given):
         assemble_at_tangent(w, 1.0, w.cC, w.cM)
         w.stiffness = mean_stiffness(w)
     w.k = w.fixed_k if as_given and w.fixed_k > 0.0 else w.stiffness
-    w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.stiffness
+    w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.penalty_share * w.stiffness
     w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
     set_compliances(w, h / w.h)
 

@@ -35,7 +35,7 @@ STEP = fields(
     "change lag turn signalled drift next_drift "
     "spent next_spent last_spent "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
-    "largest_penalty largest_penalty_share",
+    "penalty_share largest_penalty largest_penalty_share",
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
     "usable stale pending "
     "renewed age last_age last_has known next_has next_age next_known most most_kept factorizations "
