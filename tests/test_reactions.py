@@ -84,8 +84,9 @@ def test_a_force_that_depends_on_a_reaction_at_once(method):
     """With A = -R/2: R = 2 m2 a and P = (m1 + 2 m2) a."""
     m = RecordedRun(cell("-0.5*cell.force.x", method=method))
     a = 10.0 / (2.0 + 2.0 * 3.0)
-    np.testing.assert_allclose(m["joints/cell/force"][:, 0], 6.0 * a, rtol=1e-12)  # from the first instant on
-    np.testing.assert_allclose(m["joints/rail/velocity"], a * m.time, atol=1e-12)
+    # from the first instant on, to a hundredth of the tolerance of forces, of which kept tangents leave a thousandth
+    np.testing.assert_allclose(m["joints/cell/force"][:, 0], 6.0 * a, rtol=1e-9)
+    np.testing.assert_allclose(m["joints/rail/velocity"], a * m.time, atol=1e-9)
 
 
 def test_poles_with_a_reaction_in_the_loop(verify):
@@ -138,7 +139,7 @@ HELD_TWICE = """
       pin: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
       weld: {type: fixed, nodes: [c, d]}
       AGAIN
-    time: {end: 0.1, step: 0.005, newton: {constraint_tolerance: 1.0e-14}}
+    time: {end: 0.1, step: 0.005, newton: {force_tolerance: 1.0e-12, constraint_tolerance: 1.0e-14}}
     """
 
 

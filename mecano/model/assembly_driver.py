@@ -128,10 +128,15 @@ def assemble(
     loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty: float, cK: float, cC: float, cM: float
 ):  # fmt: skip
     """Compute the residual, its scale and the tangent."""
+    assemble_lagging(loops, system, s, T, k, penalty, cK, cC, cM, cK / cC if cK * cC != 0.0 else 1.0)
+
+
+@kernel
+def assemble_lagging(loops, system, s, T, k, penalty, cK, cC, cM, lag):
+    """Compute the same with a factor ``lag`` on the rows and the penalty of constraints on velocities."""
     bind_state(system, s)
     to = system[0]
-    to.T, to.cK, to.cC, to.cM = T.ctypes.data, cK, cC, cM
-    to.lag = cK / cC if cK * cC != 0.0 else 1.0
+    to.T, to.cK, to.cC, to.cM, to.lag = T.ctypes.data, cK, cC, cM, lag
     floats(to.mass, to.n_slots)[:] = 0.0
     floats(to.data, to.n_data)[:] = 0.0
     clear_forces(system, k, penalty)

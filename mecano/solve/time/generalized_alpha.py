@@ -271,7 +271,7 @@ class GeneralizedAlpha:
         """Do nothing: the ``output`` of steps interpolates between their ends."""
 
     def _weights(self, history, h):
-        """Return (Weights, penalty) of a step, with k and penalty of the deck or by the mean stiffness in the history."""
+        """Return (Weights, penalty) of a step, of the deck or by the mean stiffness in the history."""
         c, penalty = self.coefficients, self.penalty_share * history.k if self.penalty is None else self.penalty
         cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
         if self.compliance is not None:

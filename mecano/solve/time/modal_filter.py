@@ -18,7 +18,7 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
-from mecano.model.assembly_driver import assemble, tangent_loops
+from mecano.model.assembly_driver import assemble_lagging, tangent_loops
 from mecano.model.loop_records import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
@@ -28,17 +28,29 @@ from mecano.solve.time.workspace import TRIAL, in_own_axes, state_of
 if TYPE_CHECKING:
     from mecano.model.system import System
 
+NO_LAG = 1e-20  # of constraints on velocities: nothing, but for the own entries of those that are inactive
 HARDER = 1e-4  # times the compliances of the step: still far above rounding
 
 # Numbers and addresses of a filter, fields of a record
 FLOATS = "cM"  # weight of the masses [1/s^2]
-WORDS = "system masses solve solve_words solve_results substitute substitute_words right solution pivots"
+WORDS = (
+    "system masses mirrored n_mirrored solve solve_words solve_results substitute substitute_words right solution "
+    "pivots"
+)
 
 
 @kernel
 def assemble_at_end(w, f, k, penalty, cK, cM):
-    """Assemble a tangent of these weights at TRIAL, for variations in its axes."""
-    assemble(tangent_loops(w), items(f.system, 1, SYSTEM), state_of(w, TRIAL), in_own_axes(w), k, penalty, cK, 0.0, cM)
+    """Assemble a tangent of these weights at TRIAL, for variations in its axes.
+
+    Constraints on velocities restrict accelerations as they restrict velocities: their rows are those of the gradients
+    by velocities, the columns of their multipliers, instead of those by positions. They have no penalty.
+    """
+    s, system = state_of(w, TRIAL), items(f.system, 1, SYSTEM)
+    assemble_lagging(tangent_loops(w), system, s, in_own_axes(w), k, penalty, cK, 0.0, cM, NO_LAG)
+    data, entries = floats(system[0].data, w.nnz), integers(f.mirrored, (f.n_mirrored, 2))
+    for i in range(f.n_mirrored):
+        data[entries[i, 0]] = data[entries[i, 1]]
 
 
 @kernel
@@ -107,11 +119,21 @@ def filter_fields(system: "System", linear: LinearSolver) -> tuple[dict[str, int
     assembly, twin = Assembly(system), linear.twin()
     right, solution = np.zeros(system.n), np.zeros(system.n)
     new, kept = twin.calls(assembly.data, right, solution)
+    mirrored = _mirrored(system)
     arrays = {
-        "system": assembly.record, "masses": np.zeros(system.nnz), "right": right, "solution": solution,
+        "system": assembly.record, "mirrored": mirrored, "masses": np.zeros(system.nnz), "right": right,
+        "solution": solution,
         "pivots": twin.pivots_by_position, "solve_results": np.zeros(len(multifrontal.solve.returns)),
         "solve_words": new.words, "substitute_words": kept.words,
     }  # fmt: skip
     values = {name: array.ctypes.data for name, array in arrays.items()}
-    values |= {"solve": new.function, "substitute": kept.function}
+    values |= {"solve": new.function, "substitute": kept.function, "n_mirrored": len(mirrored)}
     return values, (assembly, twin, new, kept, arrays)
+
+
+def _mirrored(system):
+    """Return the entries (m, 2) of the tangent in rows of constraints on velocities, and those opposite of them."""
+    of_rates = np.append(np.zeros(system.n_q, bool), system.numbering.of_rates)
+    own = np.flatnonzero(of_rates[system.rows] & (system.cols < system.n_q))
+    opposite = np.searchsorted(system.rows * system.n + system.cols, system.cols[own] * system.n + system.rows[own])
+    return np.stack([own, opposite], 1).astype(np.int64)
