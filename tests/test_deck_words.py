@@ -1,8 +1,11 @@
 """Words among the parameters of a deck: names of nodes, of laws, of kinds, and parts of names."""
 
+import jsonschema
 import pytest
+import yaml
 from time_runs import deck
 
+from mecano.deck.json_schema import deck_schema
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import DeckError
 
@@ -35,6 +38,12 @@ def test_words_are_names():
     found, expected = deck(SIDES), deck(plain)
     assert found.resolved() == expected.resolved()
     assert not found.warnings and [w.message for w in expected.warnings] == ["law 'hard' is not used"]
+
+
+def test_editors_accept_words():
+    """But for a type, for which they complete the names of kinds."""
+    validator = jsonschema.Draft7Validator(deck_schema())
+    assert not list(validator.iter_errors(yaml.safe_load(SIDES.replace("$kind", "spring_damper"))))
 
 
 def test_words_may_be_set():

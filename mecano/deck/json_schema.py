@@ -16,6 +16,7 @@ from mecano.laws import TERMS
 from mecano.schema import LINE, SECTION_OF, Field, not_negative, positive, share
 
 EXPRESSION = r"^\s*=|\$|^[-+( ]*(\.?[0-9]|pi\b|[a-z0-9]+\()"  # in place of a number: an expression, or 25 mm
+WORD = r"^[A-Za-z_][A-Za-z0-9_]*$"  # of a parameter that is inserted into names
 NAME = r"^[A-Za-z_$][A-Za-z0-9_$()+*/% -]*$"
 BOUNDS = {positive: {"exclusiveMinimum": 0}, not_negative: {"minimum": 0}, share: {"minimum": 0, "maximum": 1}}
 TEXT, NULL = {"type": "string"}, {"type": "null"}
@@ -177,7 +178,8 @@ def _template():
 
 ARRAY_OR_ROWS = {"anyOf": [NUMBER, _list(NUMBER)]}
 WRITTEN = {
-    "number": NUMBER, "parameter": NUMBER, "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
+    "number": NUMBER, "parameter": {"anyOf": [NUMBER, {"type": "string", "pattern": WORD}]},
+    "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
     "boolean": {"type": "boolean"}, "text": TEXT, "unit": TEXT, "numbers": _list(NUMBER), "coefficients": _list(NUMBER),
     "vector": _list(NUMBER, 3, 3),
     "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),

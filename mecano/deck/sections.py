@@ -274,7 +274,10 @@ OUTPUT_FIELDS = (
 SECTIONS = (
     Field("mecano", INTEGER, "-", "version of the deck"),
     Field("title", TEXT, "-", "title of the model", ""),
-    Field("parameters", named(PARAMETER), "-", "numbers by name, for expressions in all numbers: '$speed / 0.35'", {}),
+    Field(
+        "parameters", named(PARAMETER), "-",
+        "numbers by name, for expressions in all numbers: '$speed / 0.35'; words for names: 'node: $side'", {},
+    ),
     Field(
         "gravity", shorthand(GRAVITY, {"none": ZERO}), "m/s2",
         "acceleration of gravity, inertial; required if an element has mass", "none",
