@@ -788,6 +788,7 @@ def test_what_is_constant_but_for_rounding_looks_constant():
     assert style.range_of(np.array([9.81, 9.81 + 1e-12])) == pytest.approx((8.829, 10.791), rel=1e-9)
     assert style.range_of(np.zeros(3)) == (-1.0, 1.0)
     assert style.range_of(np.array([1.0, 1.1])) is None
+    assert style.range_of(np.array([6.16905, 6.16918]), 1e-3) == pytest.approx((5.5522, 6.7860), abs=1e-4)
 
 
 class TestInfo:

@@ -79,7 +79,9 @@ def _misses_peak(curve):
 
 def _spans(panel):
     """Return the spans of the curves of a panel along both axes, as drawn if they are constant."""
-    return [np.ptp(range_of(values) or values[np.isfinite(values)]) for values in (_all(panel, "x"), _all(panel, "y"))]
+    x, y = _all(panel, "x"), _all(panel, "y")
+    ranges = (x, range_of(x)), (y, range_of(y, panel.level))
+    return [np.ptp(constant or values[np.isfinite(values)]) for values, constant in ranges]
 
 
 def _width(curve, later, spans):
@@ -121,7 +123,7 @@ def _scales(ax, panel, x_factor, y_factor):
         largest = np.max(y, where=np.isfinite(y), initial=0.0)
         if np.any((y > TINY) & (y < DECADES * largest)):  # for instance a step with nearly zero error
             ax.set_ylim(bottom=DECADES * largest)
-    elif constant := range_of(y):
+    elif constant := range_of(y, panel.level):
         ax.set_ylim(*constant)
     elif panel.stepped and np.array_equal(y, np.round(y)):
         ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))

@@ -14,6 +14,7 @@ from mecano.post.sheet import Curve, Panel, Sheet
 if TYPE_CHECKING:
     from mecano.post.runs import Run
 
+LEVEL = 1e-3  # of a section force: a smaller variation along a member is that of its own inertia
 MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
 DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle, at the second node of each element
     ("axial force", "N", (0,), ("force", "force", "force")),
@@ -70,7 +71,7 @@ def _sheet(name, when, runs, rows):
             for member in shown[number]
             for curve in _curves(run, number, row, member, label, unit, components, outputs)
         ]
-        panels.append(Panel(label, tuple(curves)))
+        panels.append(Panel(label, tuple(curves), level=LEVEL))
     axis = runs[0].results.axis
     places = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
     heading = f"Section forces along members {when}, {axis.path} {' and '.join(sorted(places))} {axis.unit}".rstrip()

@@ -60,6 +60,8 @@ class Panel:
         Peak of a single curve of one run, to be written below; may be empty.
     note : str
         Text in small print.
+    level : float
+        Variation, as a share of the magnitude, up to which the curves are drawn as constant.
     """
 
     label: str
@@ -69,6 +71,7 @@ class Panel:
     peak: Peak = ()
     note: str = ""
     decades: bool = False
+    level: float = CONSTANT
 
     @property
     def over_time(self) -> bool:

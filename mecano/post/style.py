@@ -120,13 +120,13 @@ def note_below(ax: "Axes", text: str) -> None:
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
 
 
-def range_of(values: np.ndarray) -> tuple[float, float] | None:
-    """Return limits of an axis for values that are constant up to rounding, otherwise None."""
+def range_of(values: np.ndarray, level: float = CONSTANT) -> tuple[float, float] | None:
+    """Return limits of an axis for values that vary by no more than a share ``level`` of them, otherwise None."""
     values = values[np.isfinite(values)]
     if not values.size:
         return 0.0, 1.0
     low, high, size = values.min(), values.max(), np.abs(values).max()
-    if high - low > CONSTANT * size and size > 1e-300:
+    if high - low > level * size and size > 1e-300:
         return None
     middle, margin = 0.5 * (low + high), 0.1 * size if size > 1e-12 else 1.0
     return middle - margin, middle + margin
