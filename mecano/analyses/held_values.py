@@ -41,7 +41,7 @@ def _delayed(p: np.void, m: np.ndarray, value: float, t: float) -> None:
 
 
 def _sampled(p: np.void, m: np.ndarray, value: float, t: float) -> None:
-    m[sample_and_hold.HELD], m[sample_and_hold.NEXT], m[sample_and_hold.STARTED] = value, t + p["period"], 1.0
+    m[sample_and_hold.HELD], m[sample_and_hold.START], m[sample_and_hold.COUNT] = value, t, 1.0
 
 
 def _set(p: np.void, m: np.ndarray, value: float, t: float) -> None:

@@ -14,24 +14,28 @@ from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
-HELD, NEXT, STARTED = range(3)  # in the memory
+HELD, START, COUNT = range(3)  # in the memory: the value; time of the first sample; number of samples
 ROUNDING = 1e-9  # of the period: a step that ends by less before a sampling time ends at it
+SAME_TIME = 2.3e-12  # of the time: no step is made between times that are nearer (LEAST_ULPS of time_integration.py)
 
 
 @kernel
 def residual(p, at, f):
     """Add the equation of the value, which is that of the input until the first sample."""
     u = number(at.q[U])
-    f[OWN] += number(at.q[OWN]) - (constant(at.m[HELD], u) if at.m[STARTED] != 0.0 else u)
+    f[OWN] += number(at.q[OWN]) - (constant(at.m[HELD], u) if at.m[COUNT] != 0.0 else u)
 
 
 @kernel
 def commit(p, at, m_out):
-    """Write the held value, sampled if the step ends at a sampling time, and the next sampling time."""
-    if at.m[STARTED] == 0.0 or at.t >= at.m[NEXT] - ROUNDING * p.period:
+    """Write the held value, sampled if the step ends at a sampling time, and the number of samples."""
+    starts = at.m[COUNT] == 0.0
+    if starts:
+        m_out[START] = at.t
+    following = at.m[START] + at.m[COUNT] * p.period  # a sum of periods would drift from 'sampling_times'
+    if starts or at.t >= following - (ROUNDING * p.period + SAME_TIME * abs(at.t)):
         m_out[HELD] = at.q[U]
-        m_out[NEXT] = (at.t if at.m[STARTED] == 0.0 else at.m[NEXT]) + p.period
-        m_out[STARTED] = 1.0
+        m_out[COUNT] = at.m[COUNT] + 1.0
 
 
 def sampling_times(d, start, end):
@@ -45,7 +49,7 @@ SAMPLE_AND_HOLD = signal_of_input(
     Field("period", NUMBER, "s", "T, time between two samples", check=positive),
     jumps=lambda d: True,
     same_unit_as=lambda d: d["input"],
-    memory=("held", "next", "started"),
+    memory=("held", "start", "count"),
     reads_past=True,
     **named(residual, commit, sampling_times),
 )
