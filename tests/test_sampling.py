@@ -34,3 +34,48 @@ def test_samples_keep_their_times(start, method):
     for name, period in (("slow", 1e-3), ("fast", 0.7e-3)):
         np.testing.assert_allclose(m[f"signals/{name}/value"], last_before(m.time, start, period), rtol=0.0, atol=1e-9)
     assert len(m.time) > 500
+
+
+def test_a_controller_with_a_sum_a_filter_and_a_force_one_period_late():
+    """Its difference equations; the acceleration is constant between samples."""
+    m = RecordedRun(
+        deck(f"""{CART}
+    signals:
+      error: {{type: sample_and_hold, input: 0.4 - rail.displacement, period: 20 ms}}
+      sum: {{type: integrator, input: error}}
+      rate: {{type: sample_and_hold, input: 0.8*rate + 0.2*rail.velocity, period: 20 ms}}
+      force: {{type: sample_and_hold, input: 40*(0.4 - rail.displacement) - 15*rate + 30*sum, period: 20 ms}}
+      late: {{type: sample_and_hold, input: force, period: 20 ms}}
+    loads: {{motor: {{type: joint_force, joint: rail, value: late}}}}
+    time: {{end: 1, step: 10 ms}}
+    """)
+    )
+    T, x, v, total, rate, wanted = 0.02, 0.0, 0.0, 0.0, 0.0, []
+    error, force, late = 0.4, 16.0, 16.0
+    for _ in range(50):
+        x, v, total = x + T * v + T * T * late / 4.0, v + T * late / 2.0, total + T * error
+        wanted.append(x)
+        force, late = 40.0 * (0.4 - x) - 15.0 * rate + 30.0 * total, force
+        rate, error = 0.8 * rate + 0.2 * v, 0.4 - x
+    found = np.interp(T * np.arange(1, 51), m.time, m["joints/rail/displacement"])
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12)
+
+
+JUMPS = (
+    "type: switch, input: time, upper: 0.05, high: 1, low: 0",
+    "type: curve, input: time, law: {step: {time: 0.05, rise: 0, from: 0, to: 1}}",
+)
+
+
+@pytest.mark.parametrize("jump", JUMPS)
+def test_a_jump_at_a_sampling_time_is_sampled_one_period_later(jump):
+    m = RecordedRun(
+        deck(f"""{CART}
+    signals:
+      jump: {{{jump}}}
+      held: {{type: sample_and_hold, input: jump, period: 10 ms}}
+    loads: {{motor: {{type: joint_force, joint: rail, value: held}}}}
+    time: {{end: 0.1, step: 2 ms}}
+    """)
+    )
+    np.testing.assert_allclose(m["signals/held/value"], np.where(m.time > 0.061, 1.0, 0.0))

@@ -3,6 +3,10 @@ r"""Sample and hold: the input at the last sampling time, as in a digital contro
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
 Time steps end at all sampling times; the first one is the start of the run. In an equilibrium the value is the input.
+
+What jumps at a sampling time, such as a 'switch', a law of time or another 'sample_and_hold', is sampled before its
+jump: of two with one period in a row, the second is late by one period, as a controller that computes for so long.
+One 'sample_and_hold' that reads its own value is a discrete filter: y(t_k) depends on y(t_(k-1)).
 """
 
 import numpy as np
