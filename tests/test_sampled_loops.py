@@ -164,3 +164,32 @@ time: {end: 2, step: 1 ms, adaptive: {tolerance: 1.0e-4, minimum_step: 0.1 ms}}
         "warning: because of the signals, small motions about the start grow by the factor e in 0.005 s"
     )
     assert last.endswith("Motions that grow need ever shorter steps: mend this first")
+
+
+def test_the_frequencies_of_a_sampled_loop_reach_to_half_its_sampling_frequency():
+    """A cart whose force acts a period late: its gain margin is far above the frequency at which the loop gain is 1.
+
+    With the gain times its margin an eigenvalue of the difference equations is on the unit circle.
+    """
+    T = 2e-3
+    found = margins(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{cart: {{position: [0, 0, 0]}}}}
+        elements: {{cart: {{type: point_mass, node: cart, mass: 2}}}}
+        joints: {{rail: {{type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}}}
+        signals:
+          held: {{type: sample_and_hold, input: -4*rail.displacement - 8*rail.velocity, period: {T}}}
+          late: {{type: sample_and_hold, input: held, period: {T}}}
+        loads: {{motor: {{type: joint_force, joint: rail, value: late}}}}
+        time: {{end: 1, step: 10 ms}}
+    """),
+        None,
+        LoopRequest(signal="held"),
+    )[1]
+    assert found.stable and found.gain.frequency > 100.0 * found.phase.frequency
+    assert found.frequency[-1] == pytest.approx(250.0)
+    by_law = found.gain.value * np.array([4.0, 8.0])
+    step = np.array([[1.0, T, T * T / 4.0], [0.0, 1.0, T / 2.0], [-by_law[0], -by_law[1], 0.0]])
+    assert np.abs(np.linalg.eigvals(step)).max() == pytest.approx(1.0, abs=1e-9)

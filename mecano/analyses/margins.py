@@ -188,11 +188,13 @@ def _find(deck, request):
     turning = angular_velocity_of(system, base.state, request.frame)
     closed = plant_of(changed, base, [one], [Output(one.name, "", (one.signal,))], turning)
     loop = opened(closed, place_of(system, one.signal)[0], unknowns_of(system, one.signal))
+    samplers = samplers_of(deck, system)
+    if one.signal in samplers and np.isnan(request.high):
+        request = replace(request, high=0.5 / samplers[one.signal].period)  # there are no frequencies above
     if np.isnan(request.low) or np.isnan(request.high):
         poles = np.concatenate([call_interruptibly(poles_up_to, plant.lin, np.inf) for plant in (closed, loop)])
         request = call_interruptibly(request.around, TransferFunction(loop), poles)
     _refuse_without_loop(request, changed, system, closed, loop)
-    samplers = samplers_of(deck, system)
     found = call_interruptibly(_margins, closed, loop, request, one.signal, samplers)
     of_state = state_warnings(changed, base, closed, turning, "the loop", request.grid[0])
     warnings = [*of_state, *_unsure(found, request)]

@@ -121,7 +121,7 @@ def response(
 @frequencies(
     "resonances and crossovers",
     "below poles and crossovers",
-    "ten times that at which the loop gain falls below 1",
+    "ten times that at which the loop gain falls below 1; of samples half their frequency",
 )
 @saved_state
 @axes
