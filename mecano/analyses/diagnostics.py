@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
 MOST_NAMES = 4  # elements or formulas
+AMPLIFIED = 10.0  # tolerances of forces: what residuals of several steps may cause in a reaction
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding errors
 ROUNDED_POSITIONS = 1e-15  # of the length scale, some times the rounding of numbers
@@ -129,7 +130,7 @@ def oscillation_warnings(
 
     Moments are also compared with the forces of the model times its ``length`` [m]. Forces at the rounding level of the
     kinetic energy over this length, as in a free motion, do not count, nor those that accelerate its ``mass`` [kg] by
-    the rounding of positions over the square of the step.
+    the rounding of positions over the square of the step, nor what Newton's iteration may leave beside large moments.
     """
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
@@ -141,7 +142,8 @@ def oscillation_warnings(
         ROUNDED * extremes.high[sampler.starts["energy/kinetic"]],
         mass * (length / values["step"]) ** 2 * ROUNDED_POSITIONS,
     )
-    rounding = {"N": work / length, "N m": work, "Pa": 0.0}
+    left = AMPLIFIED * values["newton"]["force_tolerance"] * largest["N m"]
+    rounding = {"N": max(work, left) / length, "N m": work, "Pa": 0.0}
     found = ringing.found(np.array([max(LEAST_SWING * largest[c.unit], rounding[c.unit]) for c in of]))
     if not found:
         return
