@@ -1,4 +1,4 @@
-"""Times at which signals are sampled, and what a sample is where its input jumps at that instant."""
+"""Times at which signals are sampled and arrive, and what a sample is where its input jumps at that instant."""
 
 import numpy as np
 import pytest
@@ -79,3 +79,21 @@ def test_a_jump_at_a_sampling_time_is_sampled_one_period_later(jump):
     """)
     )
     np.testing.assert_allclose(m["signals/held/value"], np.where(m.time > 0.061, 1.0, 0.0))
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_late_samples_keep_their_jumps_in_long_runs(method):
+    """A sampled time, 0.35 ms late, at 10000 s, whose spacing of numbers is more than 1e-9 of this delay."""
+    m = RecordedRun(
+        deck(f"""{CART}
+    signals:
+      held: {{type: sample_and_hold, input: time, period: 1 ms}}
+      late: {{type: delay, input: held, time: 0.35 ms}}
+    loads: {{push: {{type: joint_force, joint: rail, value: late - held}}}}
+    time: {{start: 10000, end: 10000.05, step: 10 ms, method: {method}}}
+    """)
+    )
+    wanted = last_before(m.time - 0.35e-3, 1e4, 1e-3)
+    np.testing.assert_allclose(m["signals/late/value"], wanted, rtol=0.0, atol=1e-9)
+    arrivals = 1e4 + 1e-3 * np.arange(1, 49) + 0.35e-3
+    assert np.abs(m.time[:, None] - arrivals).min(axis=0).max() < 1e-9, "steps end where the samples arrive"

@@ -10,6 +10,8 @@ steps end where a jump arrives, as that of a 'switch', of a 'sample_and_hold' or
 
 import math
 
+import numpy as np
+
 from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.element_interface import named
 from mecano.jit.kernel import kernel
@@ -20,6 +22,7 @@ OWN, U = 0, 1  # local unknowns: the value; the input
 KEPT = 256
 MOST = 2 * KEPT  # pairs in the memory, with those of jumps
 INSTANT = 1e-9  # of the delay: values closer in time are those before and after a jump
+SAME_TIME = 1e-12  # of the time: the same, as no step is made between times that are nearer
 UNCHANGED = 1e-12  # relative change that is no jump
 STEEPEST = 3.0  # slope of a monotone cubic over the smallest adjacent mean slope (Fritsch & Carlson 1980)
 COUNT, FIRST = 0, 1  # in the memory: number of pairs (t, u); first of the pairs, which are newest first
@@ -54,14 +57,15 @@ def _kept(p, m, t):
 def _between(p, m, i, last, t):
     """Return the value at a time t between the pairs i and i + 1: a cubic with the slopes of parabolas at both."""
     length, mean = _chord(m, i)
-    if length <= INSTANT * p.time:
+    instant = _instant(p.time, t)
+    if length <= instant:
         return m[FIRST + 2 * i + 1]
     has_later, has_earlier = False, False
     later, earlier = mean, mean
     if i > 0:
-        has_later, later = _slope(p, length, mean, _chord(m, i - 1))
+        has_later, later = _slope(instant, length, mean, _chord(m, i - 1))
     if i + 1 < last:
-        has_earlier, earlier = _slope(p, length, mean, _chord(m, i + 1))
+        has_earlier, earlier = _slope(instant, length, mean, _chord(m, i + 1))
     if has_earlier and not has_later:
         later = _limited(2.0 * mean - earlier, mean, mean)
     elif has_later and not has_earlier:
@@ -72,6 +76,12 @@ def _between(p, m, i, last, t):
 
 
 @kernel
+def _instant(late, t):
+    """Return the distance in time near t below which two pairs are those before and after a jump."""
+    return max(INSTANT * late, SAME_TIME * abs(t))
+
+
+@kernel
 def _chord(m, i):
     """Return length and mean slope between the pairs i and i + 1."""
     length = m[FIRST + 2 * i] - m[FIRST + 2 * i + 2]
@@ -79,9 +89,9 @@ def _chord(m, i):
 
 
 @kernel
-def _slope(p, length, mean, beside):
+def _slope(instant, length, mean, beside):
     """Return whether the values do not jump between two chords, and the slope of the parabola there, limited."""
-    if beside[0] <= INSTANT * p.time:
+    if beside[0] <= instant:
         return False, mean
     slope = (length * beside[1] + beside[0] * mean) / (length + beside[0])
     return True, _limited(slope, mean, beside[1])
@@ -97,12 +107,12 @@ def _limited(slope, mean, beside):
 @kernel
 def commit(p, at, m_out):
     """Store the pair of this step; it replaces the last one if that is too close to the one before it."""
-    count, u = int(at.m[COUNT]), at.q[U]
-    jumps = count > 0 and at.t - at.m[FIRST] <= INSTANT * p.time
+    count, u, instant = int(at.m[COUNT]), at.q[U], _instant(p.time, at.t)
+    jumps = count > 0 and at.t - at.m[FIRST] <= instant
     if jumps and abs(u - at.m[FIRST + 1]) <= UNCHANGED * abs(u):
         return
     apart = at.m[FIRST] - at.m[FIRST + 2]
-    if jumps or count < 2 or apart >= p.time / KEPT or apart <= INSTANT * p.time:
+    if jumps or count < 2 or apart >= p.time / KEPT or apart <= instant:
         for i in range(min(count, MOST - 1)):
             m_out[FIRST + 2 * i + 2], m_out[FIRST + 2 * i + 3] = at.m[FIRST + 2 * i], at.m[FIRST + 2 * i + 1]
         m_out[COUNT] = min(count + 1, MOST)
@@ -113,7 +123,7 @@ def arrivals(p, m):
     """Return the times [s] at which the jumps of the input that are kept reach the value."""
     n = int(m[COUNT])
     times = m[FIRST : FIRST + 2 * n : 2]  # newest first
-    before = times[1:][times[:-1] - times[1:] <= INSTANT * p["time"]]
+    before = times[1:][times[:-1] - times[1:] <= np.maximum(INSTANT * p["time"], SAME_TIME * np.abs(times[1:]))]
     return [_arrival(float(t), float(p["time"])) for t in before]
 
 
