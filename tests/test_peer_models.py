@@ -27,7 +27,7 @@ FRAME = """
     parameters: {E: 71.24 GPa, G: $E/2.62, w: 0.6 mm, h: 30 mm}
     sections:
       strip: {type: stiffness, EA: $E*$w*$h, GA2: $G*$w*$h, GA3: $G*$w*$h, GJ: $G*$h*$w**3/3, EI2: $E*$w*$h**3/12,
-              EI3: $E*$h*$w**3/12, mass_per_length: 1, rotary_inertia: [1, 1, 1]}
+              EI3: $E*$h*$w**3/12, mass_per_length: 1, rotary_inertia: [1e-3, 1e-3, 1e-3]}
     nodes: {root: {position: [0, 0, 0], fixed: true}, bend: {position: [0.24, 0, 0]}, tip: {position: [0.24, -0.24, 0]}}
     elements:
       a: {type: beam, nodes: [root, bend], section: strip, up: [0, 1, 0], mesh: 16}

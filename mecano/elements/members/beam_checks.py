@@ -71,7 +71,7 @@ def _wide(section, length):
     width = 2.0 * float(np.abs(section.points).max(initial=0.0))
     if length < WIDE * width:
         return [f"it is {length:.3g} m long and {width:.3g} m wide: are the dimensions of the 'section' in m?"]
-    radius = float(np.sqrt(np.linalg.eigvalsh(section.J)[-1] / section.mass))
+    radius = float(np.sqrt(np.linalg.eigvalsh(section.J)[-1] / section.mass)) if section.mass else 0.0
     if length >= radius:
         return []
     return [

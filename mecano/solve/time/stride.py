@@ -17,10 +17,10 @@ from mecano.solve.events.events import some_happened
 from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, heads_for_zero, may_pass, may_peak
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.linear.rounding import successor
-from mecano.solve.time.contradictions import contradict, slips
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
+from mecano.solve.time.step import contradict, slips
 from mecano.solve.time.step_control import (
     FORGOTTEN,
     HOLD,
