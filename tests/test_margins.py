@@ -383,6 +383,23 @@ class TestCommand:
         assert "mecano margins" in info("servo_margins.h5")
         assert [path.name for path in post(["servo_margins.h5"], output="drawn")] == ["drawn.png"]
 
+    def test_poles_of_samples_in_table_and_file(self, tmp_path):
+        """A mass of 1 kg whose sampled force is -v: v is multiplied by 1 - T each time."""
+        (tmp_path / "cart.yaml").write_text("""
+mecano: 1
+gravity: none
+nodes: {cart: {position: [0, 0, 0]}}
+elements: {cart: {type: point_mass, node: cart, mass: 1}}
+signals: {held: {type: sample_and_hold, input: -cart.velocity.x, period: 0.1}}
+loads: {motor: {type: force, node: cart, direction: [1, 0, 0], value: held}}
+time: {end: 1, step: 0.01}
+""")
+        done = CliRunner().invoke(commands, ["margins", "cart.yaml", "--open-loop", "held"])
+        assert done.exit_code == 0, done.output
+        found, wanted = read_margins("cart_margins.h5").sample_poles, np.log(0.9) / 0.1
+        assert np.abs(found - wanted).min() < 1e-9
+        assert f"{wanted:.4g}" in done.output.split("pole of the samples")[1]
+
     @pytest.mark.parametrize(("high", "at_end"), [("3", True), ("100", False)])
     def test_a_sensitivity_that_rises_to_the_end_of_the_range(self, high, at_end):
         """Its peak at 3.8 Hz is beyond the first of these ranges (test_pid_controller_of_a_mass_with_a_delay)."""

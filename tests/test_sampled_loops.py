@@ -193,3 +193,12 @@ def test_the_frequencies_of_a_sampled_loop_reach_to_half_its_sampling_frequency(
     by_law = found.gain.value * np.array([4.0, 8.0])
     step = np.array([[1.0, T, T * T / 4.0], [0.0, 1.0, T / 2.0], [-by_law[0], -by_law[1], 0.0]])
     assert np.abs(np.linalg.eigvals(step)).max() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_poles_of_the_samples_are_eigenvalues_of_the_difference_equations():
+    T = 0.05
+    A, B = difference_equations(T)
+    wanted = np.linalg.eigvals(A - B @ GAINS)
+    found = loop(two_carts()).sample_poles
+    z = np.exp(T * np.concatenate([found, found[found.imag > 0.0].conj()]))
+    np.testing.assert_allclose(np.sort_complex(z), np.sort_complex(wanted), atol=1e-10)

@@ -103,6 +103,7 @@ class Margins:
     crossovers: list[Crossover] = field(repr=False)
     sensitivity_peak: Margin  # largest modulus of 1/(1 + L)
     growing: int | None  # poles of the closed loop that grow; None if not determined
+    sample_poles: np.ndarray = field(repr=False)  # (k,) s [1/s] of z = exp(s T), one of each pair; none if not found
     about: str
     warnings: tuple[str, ...] = field(repr=False)
     plant: Plant = field(repr=False)
@@ -253,6 +254,7 @@ def _margins(closed, loop, request, signal, samplers):
         "frequency": omegas / (2.0 * np.pi), "values": values[:, 0, 0], "static": static, "crossovers": found,
         "sensitivity_peak": Margin(*highest(S, () if closed.late else own)),
         "growing": _growing(closed, loop, transfer, base, samplers, whole),
+        "sample_poles": whole.poles() if isinstance(whole, SampledSystem) else np.zeros(0, complex),
     }  # fmt: skip
     return _Found(numbers, H.error, list(_averaged(signal, samplers, transfer, whole)))
 
@@ -369,6 +371,7 @@ def contents(found: Margins) -> dict[str, Any]:
             **crossovers, "of_gain": [one.gain for one in found.crossovers], "real_part": values.real,
             "imaginary_part": values.imag,
         },
+        "sample_poles": {"real_part": found.sample_poles.real, "imaginary_part": found.sample_poles.imag},
         "margins": {
             **margins, "growing": -1 if found.growing is None else found.growing, "static_gain": found.static
         },

@@ -14,6 +14,9 @@ CROSSOVERS = (
     "crossover", "frequency [Hz]", "magnitude", "phase [deg]", "gain margin", "phase margin [deg]", "delay margin [s]"
 )  # fmt: skip
 
+POLES = "pole of the samples", "frequency [Hz]", "damping", "growth [1/s]"
+SHOWN = 6  # poles that decay most slowly
+
 NONE = "none"  # a margin without a crossover between the lowest and the highest frequency
 
 
@@ -26,6 +29,7 @@ def table(found: "Margins") -> list[str]:
     return [
         f"{head}{high:.6g} Hz", f"closed loop: {stability(found.growing)}", "", *aligned(rows, "<><>"), "",
         *(aligned(crossovers, "<>>>>>>") if found.crossovers else ["no crossovers in this range"]),
+        *(["", *aligned([POLES, *_poles(found.sample_poles)], "<>>>")] if len(found.sample_poles) else []),
     ]  # fmt: skip
 
 
@@ -49,6 +53,13 @@ def _margins(found):
     peak, frequency = found.sensitivity_peak
     where = "end of range" if frequency in found.frequency[[0, -1]] else ""
     yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "infinite", where, f"{frequency:.6g}"
+
+
+def _poles(poles):
+    """Yield the cells of the poles that decay most slowly."""
+    for number, s in enumerate(sorted(poles.tolist(), key=lambda s: -s.real)[:SHOWN], 1):
+        damping = f"{-s.real / abs(s):.5f}" if s else ""
+        yield str(number), f"{s.imag / (2.0 * np.pi):.6g}", damping, f"{s.real:.4g}"
 
 
 def _number(value, otherwise=NONE):

@@ -33,6 +33,10 @@ CROSSOVERS = (
     ("phase_margin", "rad", "lag that brings poles to this frequency; nan where the magnitude is not 1"),
     ("delay_margin", "s", "delay that brings poles to this frequency; nan where the magnitude is not 1"),
 )
+POLES = (
+    ("real_part", "1/s", "growth of the poles of the samples of the closed loop, s of z = exp(s T)"),
+    ("imaginary_part", "1/s", "their circular frequency, at most half that of sampling; none where not determined"),
+)
 MARGINS = (
     ("gain", "", "least factor above 1 of the gain at which poles cross the imaginary axis; nan if none"),
     ("gain_frequency", "Hz", "frequency of these poles"),
@@ -60,18 +64,21 @@ class MarginsFile:
     frequency: np.ndarray  # (n,) [Hz]
     values: np.ndarray  # (n,) complex L
     crossovers: dict[str, np.ndarray]  # name -> (k,)
+    sample_poles: np.ndarray  # (m,) complex [1/s]
     margins: dict[str, float]  # name, and name_frequency -> value
 
 
 def write_margins(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
     """Write the ``plain`` numbers of margins to a file that appears only when complete. Raises ResultsError.
 
-    ``plain``: the texts ``about`` and ``signal``, and the mappings ``loop``, ``crossovers`` and ``margins``, whose
-    names are those of LOOP, CROSSOVERS and MARGINS, of margins at a frequency also name_frequency.
+    ``plain``: the texts ``about`` and ``signal``, and the mappings ``loop``, ``crossovers``, ``sample_poles`` and
+    ``margins``, whose names are those of LOOP, CROSSOVERS, POLES and MARGINS, of margins at a frequency also
+    name_frequency.
     """
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
-        for group, columns in (("", LOOP), ("crossovers/", CROSSOVERS), ("margins/", MARGINS)):
+        groups = ("", LOOP), ("crossovers/", CROSSOVERS), ("sample_poles/", POLES), ("margins/", MARGINS)
+        for group, columns in groups:
             for name, unit, doc in columns:
                 put_numbers(file, f"{group}{name}", plain[group.rstrip("/") or "loop"][name], unit, doc)
         put_source(file, source, FORMAT, FORMAT_VERSION, about=plain["about"], signal=plain["signal"])
@@ -84,9 +91,16 @@ def read_margins(path: "str | os.PathLike[str]") -> MarginsFile:
         return MarginsFile(
             Path(path), run["title"], run["about"], run["signal"], file["frequency"][:],
             file["real_part"][:] + 1j * file["imaginary_part"][:],
-            {name: file[f"crossovers/{name}"][:] for name, _, _ in CROSSOVERS},
+            {name: file[f"crossovers/{name}"][:] for name, _, _ in CROSSOVERS}, _poles(file),
             {name: float(values[()]) for name, values in file["margins"].items()},
         )  # fmt: skip
+
+
+def _poles(file):
+    """Return the poles of the samples, which files of mecano 0.1 may lack."""
+    if "sample_poles" not in file:
+        return np.zeros(0, complex)
+    return file["sample_poles/real_part"][:] + 1j * file["sample_poles/imaginary_part"][:]
 
 
 def write_table(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
