@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.margins import LoopRequest, margins
+
 CART = """
     mecano: 1
     gravity: none
@@ -59,6 +61,41 @@ def test_a_controller_with_a_sum_a_filter_and_a_force_one_period_late():
         rate, error = 0.8 * rate + 0.2 * v, 0.4 - x
     found = np.interp(T * np.arange(1, 51), m.time, m["joints/rail/displacement"])
     np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12)
+
+
+DISCRETE = f"""{CART}
+    signals:
+      error: 0.4 - rail.displacement
+      sum: {{type: sample_and_hold, input: sum + 0.02*error, period: 20 ms, initial: 0.05}}
+      force: {{type: sample_and_hold, input: 40*error - 15*rail.velocity + 30*sum, period: 20 ms}}
+      late: {{type: sample_and_hold, input: force, period: 20 ms, initial: 1.5}}
+    loads: {{motor: {{type: joint_force, joint: rail, value: late}}}}
+    time: {{end: 1, step: 10 ms}}
+"""
+T = 0.02
+
+
+def test_initial_values_are_those_of_the_first_period():
+    """A sum, which has no value at rest, and a force that is given late, by their difference equations."""
+    m = RecordedRun(deck(DISCRETE))
+    x, v, total, force, late, wanted = 0.0, 0.0, 0.05, 17.5, 1.5, []
+    for _ in range(50):
+        x, v = x + T * v + T * T * late / 4.0, v + T * late / 2.0
+        wanted.append(x)
+        late, force, total = force, 40.0 * (0.4 - x) - 15.0 * v + 30.0 * total, total + T * (0.4 - x)
+    found = np.interp(T * np.arange(1, 51), m.time, m["joints/rail/displacement"])
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12)
+
+
+def test_the_poles_of_a_sum_and_of_a_late_force():
+    """Eigenvalues of the motion over a period times the samples at its end, in x, v, sum, force, late."""
+    motion, samples = np.eye(5), np.eye(5)
+    motion[0, 1], motion[0, 4], motion[1, 4] = T, T * T / 4.0, T / 2.0
+    samples[2, 0], samples[3], samples[4] = -T, [-40.0, -15.0, 30.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0]
+    wanted = np.linalg.eigvals(samples @ motion)
+    s = margins(deck(DISCRETE), None, LoopRequest(signal="late"))[1].sample_poles
+    z = np.exp(T * np.concatenate([s, s[s.imag > 0.0].conj()]))
+    np.testing.assert_allclose(np.sort_complex(z), np.sort_complex(wanted[np.abs(wanted) > 1e-9]), atol=1e-10)
 
 
 JUMPS = (

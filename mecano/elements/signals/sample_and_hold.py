@@ -3,16 +3,19 @@ r"""Sample and hold: the input at the last sampling time, as in a digital contro
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
 Time steps end at all sampling times; the first one is the start of the run. In an equilibrium the value is the input.
+With an 'initial' value it is that instead, and the first sample is the one at t_0 + T.
 
 What jumps at a sampling time, such as a 'switch', a law of time or another 'sample_and_hold', is sampled before its
 jump: of two with one period in a row, the second is late by one period, as a controller that computes for so long.
-One 'sample_and_hold' that reads its own value is a discrete filter: y(t_k) depends on y(t_(k-1)).
+One that reads its own value is a discrete filter or integrator: y(t_k) depends on y(t_(k-1)).
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import signal_of_input
-from mecano.element_interface import named
+from mecano.constraints.along_coordinate.signal import INITIAL, signal_of_input
+from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
@@ -25,9 +28,13 @@ SAME_TIME = 2.3e-12  # of the time: no step is made between times that are neare
 
 @kernel
 def residual(p, at, f):
-    """Add the equation of the value, which is that of the input until the first sample."""
+    """Add the equation of the value; until the first sample it is the initial one, or that of the input."""
     u = number(at.q[U])
-    f[OWN] += number(at.q[OWN]) - (constant(at.m[HELD], u) if at.m[COUNT] != 0.0 else u)
+    if at.m[COUNT] != 0.0:
+        u = constant(at.m[HELD], u)
+    elif p.begins != 0.0:
+        u = constant(p.initial, u)
+    f[OWN] += number(at.q[OWN]) - u
 
 
 @kernel
@@ -38,8 +45,14 @@ def commit(p, at, m_out):
         m_out[START] = at.t
     following = at.m[START] + at.m[COUNT] * p.period  # a sum of periods would drift from 'sampling_times'
     if starts or at.t >= following - (ROUNDING * p.period + SAME_TIME * abs(at.t)):
-        m_out[HELD] = at.q[U]
+        m_out[HELD] = at.q[OWN] if starts else at.q[U]
         m_out[COUNT] = at.m[COUNT] + 1.0
+
+
+def prepare(d, nodes, context):
+    """Return period and initial value, and whether there is one."""
+    initial = d["initial"]
+    return {"period": d["period"], "initial": initial or 0.0, "begins": 0.0 if initial is None else 1.0}
 
 
 def sampling_times(d, start, end):
@@ -51,9 +64,15 @@ SAMPLE_AND_HOLD = signal_of_input(
     "sample_and_hold",
     __doc__,
     Field("period", NUMBER, "s", "T, time between two samples", check=positive),
+    replace(
+        INITIAL,
+        default=None,
+        doc="value in the first period, and in an equilibrium; that of the input when absent",
+    ),
     jumps=lambda d: True,
+    dtype=record(period=(), initial=(), begins=()),
     same_unit_as=lambda d: d["input"],
     memory=("held", "start", "count"),
     reads_past=True,
-    **named(residual, commit, sampling_times),
+    **named(residual, commit, prepare, sampling_times),
 )
