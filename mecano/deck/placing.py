@@ -13,6 +13,7 @@ from mecano.deck.scope import INVALID, Scope, node_of
 from mecano.schema import LINE, SECTION_OF, Field
 
 Quaternion: TypeAlias = tuple[float, float, float, float]  # w, x, y, z of a rotation
+LEAST = 1e-100  # smaller numbers, which no deck may contain, are what rounding leaves of a turn
 FORMULAS = ("formula", "condition", "drive", "signal_entry")  # types of texts that may name signals and outputs
 
 
@@ -123,7 +124,7 @@ class Placing:
     def _move(self, node, field):
         value = self.scope.checks[field.type.name](node, field, self.scope)
         if value is not INVALID:
-            moved = self.placement.moved(value, field.type.moves)
+            moved = [c if abs(c) >= LEAST else 0.0 for c in self.placement.moved(value, field.type.moves)]
             place = node.value
             node.value = [Node(c, at.source, at.line, at.column, at.raw) for c, at in zip(moved, place, strict=True)]
 
