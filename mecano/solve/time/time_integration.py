@@ -193,8 +193,12 @@ class TimeIntegrator:
         self.capture.from_plain(plain["capture"])
 
     def _beyond_samples(self, run, stop, end):
-        """Return the time up to which compiled code may step beyond the sampling time ``stop``, or ``stop`` itself."""
-        if self.observers or self.system.batches_with_arrivals or not self.method.restarts_at_samples():
+        """Return the time up to which compiled code may step beyond the sampling time ``stop``, or ``stop`` itself.
+
+        The first step after a restart of a model with several contacts is made by ``ordinary``.
+        """
+        several = len(self.shocks.impact_candidates.opening) > 1
+        if self.observers or several or self.system.batches_with_arrivals or not self.method.restarts_at_samples():
             return stop
         i = bisect_right(self._others, run.motion.t)
         return min(self._others[i], end) if i < len(self._others) else end
