@@ -352,3 +352,16 @@ def test_units_of_expressions(mass, text):
         return
     found = [problem.message for problem in read_fake(text_of_deck).warnings if "expression" in problem.message]
     assert len(found) == bool(text) and all(text in message for message in found), found
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("100 us", 1e-4), ("9 mm", 0.009), ("3 mm3", 3e-9), ("7.85 g/cm3", 7850.0), ("2 kN/mm", 2e6)]
+)
+def test_powers_of_ten_are_exact(text, value):
+    """9 times 1e-3 is 0.009000000000000001, and so are cubes of 1e-3 not those of a millimetre."""
+    assert converted(text, ANY) == value
+
+
+@pytest.mark.parametrize("unit", ["Gm^9 Gm^9 Gm^9 Gm^9", "1/Gm^9/Gm^9/Gm^9/Gm^9"])
+def test_units_beyond_the_range_of_numbers_are_refused_or_infinite(unit):
+    assert parsed(unit)[0] in (0.0, math.inf)

@@ -70,6 +70,7 @@ MOST_READINGS = 64
 CLOSE = 0.5, 0.7  # likeness of a suggestion to short and longer words
 ANY = "unit of its use"
 LONGEST = 60  # characters of a unit
+ROUNDING = 1e-14  # of the value of a unit
 
 
 class UnitError(Exception):
@@ -88,7 +89,9 @@ def converted(text: str, declared: str) -> float:
     ("unit of the value"). Raises UnitError.
     """
     number, unit = _split(text)
-    return float(number) * factor_of(unit, declared)
+    factor = factor_of(unit, declared)
+    power = _power_of_ten(factor)
+    return float(number) * factor if power >= 0 else float(number) / 10.0**-power  # 100 us are 1e-4 s
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -202,7 +205,16 @@ def parsed(unit: str) -> tuple[float, Powers] | None:
         power = sign * (float(match[3]) if match[3] else int(match[2] or {"²": 2, "³": 3}.get(match[4], 1)))
         value *= known[0] ** power
         powers = tuple(a + power * b for a, b in zip(powers, known[1], strict=True))
-    return (value, powers) if factors else None
+    exponent = _power_of_ten(value)
+    return (float(f"1e{exponent}") if exponent else value, powers) if factors else None
+
+
+def _power_of_ten(value: float) -> int:
+    """Return the exponent of a power of ten, but for its rounding, such as that of (1e-3)^3; 0 for other numbers."""
+    if not 0.0 < value < math.inf:
+        return 0
+    exponent = round(math.log10(value))
+    return exponent if abs(value / float(f"1e{exponent}") - 1.0) < ROUNDING and abs(exponent) <= 22 else 0
 
 
 def _simple(name):
