@@ -249,7 +249,7 @@ def test_restarts_at_samples_in_compiled_code_change_no_bit(text, compiled, monk
     found = march_sampled(deck(text))
     interrupted = march_sampled(deck(text), interrupt)
     in_steps_of_python = march_sampled(deck(text), in_python)
-    monkeypatch.setattr(GeneralizedAlpha, "restart_at_samples", lambda self: None)
+    monkeypatch.setattr(GeneralizedAlpha, "use_compiled_restarts", lambda self: None)
     in_python_alone = march_sampled(deck(text))
     check_equal(interrupted[0], found[0])
     check_equal(in_steps_of_python[0], found[0])

@@ -69,7 +69,7 @@ def compile_time_integration(system: "System", time: "Values") -> None:
         from mecano.solve.time.relaxed_error import relax_error  # not needed by models without massless unknowns
 
         own += (relax_error,)
-    if system.samples and time["method"] != "radau":
+    if system.is_sampled() and time["method"] != "radau":
         from mecano.solve.time.restart import restart  # nor by those without samples, or without signals
         from mecano.solve.time.sampled_restart import restart_at_sample
 

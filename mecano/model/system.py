@@ -121,9 +121,8 @@ class System:
     def penalty_share(self) -> float:
         """Share of the mean stiffness of a step that is its penalty: the harmonic over the arithmetic mean of masses.
 
-        With a penalty far above the stiffness of a light body in a short step, its mass over the square of the step,
-        rounding would leave few digits of the forces on it; nodes without mass do not need that much. The masses are
-        those at the start, inertias over the square of the length scale.
+        Far above the mass of a light body over the square of the step, a penalty would leave few digits of the forces
+        on it. The masses are those at the start, inertias over the square of the length scale.
         """
         data, kind = self.assemble(self.initial_state(0.0), cM=1.0).data, self.numbering.kind[: self.n_q]
         masses = data[self.diagonal[: self.n_q]] / np.where(kind == ROTATION, self.context.length**2, 1.0)
@@ -300,9 +299,8 @@ class System:
         add_scaled = self._driver(assembly_driver.add_scaled, loops.tangent, Batch.is_scaled)
         add_scaled(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
 
-    @property
-    def samples(self) -> bool:
-        """True if signals are sampled at given times, or set by a program."""
+    def is_sampled(self) -> bool:
+        """Return whether signals are sampled at given times, or set by a program."""
         return any(batch.kind.is_set or batch.kind.sampling_times is not nothing for batch in self.batches)
 
     @cached_property

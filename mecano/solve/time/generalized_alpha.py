@@ -257,13 +257,13 @@ class GeneralizedAlpha:
         """Return the OrdinarySteps of a time integration."""
         return OrdinarySteps(self, control, shocks, observation, recorder)
 
-    def restart_at_samples(self) -> None:
+    def use_compiled_restarts(self) -> None:
         """Restart in compiled code from now on, where the model admits it."""
         from mecano.solve.time.restart import Restart  # not needed without sampled signals
 
         self.compiled_restart = Restart(self)
 
-    def restarts_at_samples(self) -> bool:
+    def restarts_in_compiled_code(self) -> bool:
         """Return whether compiled code restarts at sampling times in the present phases."""
         return self.compiled_restart is not None and self.compiled_restart.prepare()
 

@@ -157,11 +157,11 @@ class Radau:
         """Return the RadauSteps of a time integration."""
         return RadauSteps(self, shocks, observation, recorder)
 
-    def restart_at_samples(self) -> None:
+    def use_compiled_restarts(self) -> None:
         """Do nothing: Python restarts."""
 
-    def restarts_at_samples(self) -> bool:
-        """Return False, as ``restart_at_samples`` says."""
+    def restarts_in_compiled_code(self) -> bool:
+        """Return False, as ``use_compiled_restarts`` says."""
         return False
 
     def use_output(self, output: "Output") -> None:

@@ -92,8 +92,8 @@ class TimeIntegrator:
             self.system, self.method, self.control, self.monitor, self.capture, self.shocks, self._is_corner
         )
         self.rounding = RoundingLimit(self.control, self.method)
-        if self.system.samples:
-            self.method.restart_at_samples()
+        if self.system.is_sampled():
+            self.method.use_compiled_restarts()
 
     @property
     def warnings(self) -> list[str]:
@@ -197,8 +197,8 @@ class TimeIntegrator:
 
         The first step after a restart of a model with several contacts is made by ``ordinary``.
         """
-        several = len(self.shocks.impact_candidates.opening) > 1
-        if self.observers or several or self.system.batches_with_arrivals or not self.method.restarts_at_samples():
+        one_by_one = self.observers or len(self.shocks.impact_candidates.opening) > 1
+        if one_by_one or self.system.batches_with_arrivals or not self.method.restarts_in_compiled_code():
             return stop
         i = bisect_right(self._others, run.motion.t)
         return min(self._others[i], end) if i < len(self._others) else end
