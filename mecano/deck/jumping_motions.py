@@ -30,7 +30,7 @@ def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[Loca
     for name, d in values["joints"].items() if time else ():
         for path, unit, law in _motions(kinds[d["type"]].fields, d, ()):
             inner = np.array([t for t in breakpoints(law) if time["start"] < t < time["end"]])
-            if text := _told(law, inner, unit):
+            if text := _described(law, inner, unit):
                 yield ("joints", name, *path), f"{d['type']} '{name}': '{'.'.join(path)}' {text}"
 
 
@@ -44,7 +44,7 @@ def _motions(fields, values, path):
             yield from _motions(field.type.options, value, (*path, field.name))
 
 
-def _told(law, places, unit):
+def _described(law, places, unit):
     """Return a text on the largest jump of a law at one of the ``places``, of its value or else of its rate; or ""."""
     if len(places):
         for order, text in enumerate((_of_value, _of_rate)):

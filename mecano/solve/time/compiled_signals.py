@@ -229,7 +229,7 @@ class CompiledSignals(Pointers):
     def settle(self, s: "State", dt: float) -> bool:
         """Set the signals of ``s`` in place as ``signals.settle_signals``; return whether that was possible.
 
-        Otherwise ``s`` remains as it is.
+        Otherwise ``s`` is not changed.
         """
         own, motion = self.array("own"), (s.z, s.v, s.a)
         before = [x[own] for x in motion]

@@ -70,7 +70,7 @@ def record_step(output: Records(OUTPUT), work: Records(STEP)):
     t = time_of(w, TRIAL)[0]
     if o.stage == SAMPLE:
         o.code, o.which = NOT_FINITE, -1
-        sample(o, w, row)
+        sample(o, w, TRIAL, row)
         if o.stages:
             call(o.stages, o.stages_words, 0)
         if o.which < 0:
@@ -96,18 +96,17 @@ def record_step(output: Records(OUTPUT), work: Records(STEP)):
 
 
 @kernel
-def sample(o, w, row):
-    """Write the numbers of the state TRIAL into the row."""
+def sample(o, w, which, row):
+    """Write the numbers of one of the states into the row."""
     observed = Observed(floats(o.outputs, o.n_outputs), floats(o.energy, 4))
-    fill(row, nodes_of(o), observed, state_of(w, TRIAL), o.dissipated, o.given)
+    fill(row, nodes_of(o), observed, state_of(w, which), o.dissipated, o.given)
 
 
 @kernel
 def begin_row(o, w):
     """Begin the next step with the row at BEGIN, where forces have jumped; ``code`` reports as for a step."""
     row, signs = floats(o.row0, o.row_size), integers(o.signs, o.n_forces)
-    observed = Observed(floats(o.outputs, o.n_outputs), floats(o.energy, 4))
-    fill(row, nodes_of(o), observed, state_of(w, BEGIN), o.dissipated, o.given)
+    sample(o, w, BEGIN, row)
     floats(o.difference, o.n_forces)[:] = 0.0
     for i in range(o.n_forces):
         signs[i] = 0

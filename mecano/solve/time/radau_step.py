@@ -7,8 +7,6 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
 from mecano.model.assembly_driver import (
     assemble_residual,
-    constraint_derivatives,
-    constraint_loops,
     observe,
     observe_loops,
     residual_loops,
@@ -25,6 +23,7 @@ from mecano.solve.time.radau_stages import begin_stages, correct, measure_signal
 from mecano.solve.time.radau_tangent import renew, solve, solve_real
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, row_of, stage_of
 from mecano.solve.time.singular_position import LOST, ROUNDED
+from mecano.solve.time.step import gap_of
 from mecano.solve.time.step_control import SUDDEN, allowed, counted
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -303,13 +302,3 @@ def projected(w, r, m):
         s.v[i] += x[i]
     accelerate(m, stage, s.v, s.z, s.a)
     return True
-
-
-@kernel
-def gap_of(w, s, order):
-    """Return by how much a state violates the constraints (n_l,), those on positions alone, or their rates."""
-    g, gap, of_rates = floats(w.derivatives, (w.n_l, 3)), floats(w.gap, w.n_l), integers(w.exact_rates, w.n_l)
-    constraint_derivatives(constraint_loops(w), system_of(w), s, g)
-    for i in range(w.n_l):
-        gap[i] = 0.0 if order == 0 and of_rates[i] else g[i, order]
-    return gap

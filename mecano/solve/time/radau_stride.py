@@ -6,9 +6,8 @@ from mecano.jit.memory import call, floats
 from mecano.model.assembly_driver import assemble_residual, residual_loops
 from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
-from mecano.solve.time.radau_step import gap_of
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, stage_of
-from mecano.solve.time.step import exceeds_gap
+from mecano.solve.time.step import exceeds_gap, gap_of
 from mecano.solve.time.step_control import STRETCH, allowed, factor_of_order, retried
 from mecano.solve.time.step_info import MOST_TURN
 from mecano.solve.time.stride import (

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model.assembly_driver import constraint_derivatives, constraint_loops
 from mecano.model.loop_records import Pointers, fields
 from mecano.model.numbering import SCALAR, SIGNAL
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.compiled_signals import SIGNALS, CompiledSignals, settle_at_once
 from mecano.solve.time.constrained_mass import MASS, ConstrainedMass, accelerate, assemble_mass, change, factor_mass
 from mecano.solve.time.massless_scalars import DIFFERENCE
-from mecano.solve.time.workspace import BEGIN, STEP, TANGENT, history_of, state_of, system_of
+from mecano.solve.time.step import gap_of
+from mecano.solve.time.workspace import BEGIN, STEP, TANGENT, history_of, state_of
 
 if TYPE_CHECKING:
     from mecano.model.state import History, State
@@ -46,7 +46,7 @@ def accelerated(r, w, s):
     assemble_mass(mass, s)
     if scalars_are_loose(m) or not factor_mass(m):
         return False
-    x = change(m, rates_of_constraints(w, s), -1.0)
+    x = change(m, gap_of(w, s, 1), -1.0)
     for i in range(w.n_q):
         s.v[i] += x[i]
     if not settle_at_once(items(r.signals, 1, SIGNALS), s, DIFFERENCE * r.h):
@@ -63,16 +63,6 @@ def scalars_are_loose(m):
         if loose[i] and kind[i] == SCALAR:
             return True
     return False
-
-
-@kernel
-def rates_of_constraints(w, s):
-    """Return the rates (n_l,) of the constraints."""
-    g, rates = floats(w.derivatives, (w.n_l, 3)), floats(w.gap, w.n_l)
-    constraint_derivatives(constraint_loops(w), system_of(w), s, g)
-    for i in range(w.n_l):
-        rates[i] = g[i, 1]
-    return rates
 
 
 @kernel

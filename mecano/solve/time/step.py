@@ -6,6 +6,7 @@ Functions at the end judge redundant and deactivated constraints at its end (con
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
+from mecano.model.assembly_driver import constraint_derivatives, constraint_loops
 from mecano.model.numbering import ROTATION, SIGNAL, TRANSLATION
 from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.events.compliance import soften
@@ -147,3 +148,13 @@ def slips(m, w):
         if abs(rates[released[i]]) > 0.5 * SLIPS * (linear if along[i] else angular):
             return True
     return False
+
+
+@kernel
+def gap_of(w, s, order):
+    """Return by how much a state violates the constraints (n_l,), those on positions alone, or their rates."""
+    g, gap, of_rates = floats(w.derivatives, (w.n_l, 3)), floats(w.gap, w.n_l), integers(w.exact_rates, w.n_l)
+    constraint_derivatives(constraint_loops(w), system_of(w), s, g)
+    for i in range(w.n_l):
+        gap[i] = 0.0 if order == 0 and of_rates[i] else g[i, order]
+    return gap

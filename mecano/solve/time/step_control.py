@@ -87,7 +87,7 @@ def clipped(t, h, stop, jumps):
 
 @kernel
 def first_size(t, h, stop, jumps):
-    """Return the size for which a history begins at the time t, as ``clipped``, or h where too little time remains."""
+    """Return the size for which a history begins at the time t, as ``clipped``, or h if ``stop`` is too near."""
     return clipped(t, h, stop, jumps) if stop - t > SHORT * h else h
 
 
