@@ -270,10 +270,8 @@ class Ongoing:
         self._short_steps: ShortSteps | None = None
         judges = [self._judge_steps] if integrator.control.adaptive and integrator.method.order == 2 else []
         self._outlook: Outlook | None = None
-        self._begun, self._longest = (
-            clock.monotonic(),
-            0.0 if integrator.control.adaptive else integrator.control.maximum,
-        )
+        self._begun = clock.monotonic()
+        self._longest = 0.0 if integrator.control.adaptive else integrator.control.maximum  # step so far [s]
         integrator.reporters = recorder.report, *judges, self._watch_pace, *supervision.reporters
 
     def _judge_steps(self, run):

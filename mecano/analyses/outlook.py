@@ -17,7 +17,7 @@ UNITS = (3.1557e7, "years"), (86400.0, "days"), (3600.0, "hours"), (60.0, "minut
 class Outlook:
     """Watch over the pace of a run to the time ``end`` [s], which passes one notice to ``announce``.
 
-    ``run`` is its RunState at the begin of the watch.
+    ``run`` is its RunState at the beginning of the watch.
     """
 
     def __init__(self, integrator: "TimeIntegrator", end: float, announce: Callable[[str], object], run: "RunState"):
