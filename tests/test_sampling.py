@@ -134,3 +134,23 @@ def test_late_samples_keep_their_jumps_in_long_runs(method):
     np.testing.assert_allclose(m["signals/late/value"], wanted, rtol=0.0, atol=1e-9)
     arrivals = 1e4 + 1e-3 * np.arange(1, 49) + 0.35e-3
     assert np.abs(m.time[:, None] - arrivals).min(axis=0).max() < 1e-9, "steps end where the samples arrive"
+
+
+def test_samples_are_rounded_to_the_resolution():
+    """An encoder of 3 mm on a cart that moves at 0.1 m/s, also at the start; the initial value is kept."""
+    m = RecordedRun(
+        deck(f"""{CART}
+    initial: {{velocities: [{{nodes: [cart], velocity: [0.1, 0, 0]}}]}}
+    signals:
+      fine: {{type: sample_and_hold, input: 0.002 - rail.displacement, period: 10 ms}}
+      read: {{type: sample_and_hold, input: 0.002 - rail.displacement, period: 10 ms, resolution: 3 mm}}
+      late: {{type: sample_and_hold, input: read, period: 10 ms, initial: 5 mm, resolution: 3 mm}}
+    loads: {{motor: {{type: joint_force, joint: rail, value: 0*late}}}}
+    time: {{end: 0.1, step: 5 ms}}
+    """)
+    )
+    sampled = 0.002 - 0.1 * last_before(m.time, 0.0, 0.01)
+    np.testing.assert_allclose(m["signals/fine/value"], sampled, atol=1e-12)
+    np.testing.assert_allclose(m["signals/read/value"], 0.003 * np.round(sampled / 0.003), atol=1e-12)
+    before = 0.003 * np.round((0.003 - 0.1 * last_before(m.time, 0.0, 0.01)) / 0.003)
+    np.testing.assert_allclose(m["signals/late/value"], np.where(m.time < 0.011, 0.005, before), atol=1e-12)

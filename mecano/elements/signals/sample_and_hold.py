@@ -3,22 +3,25 @@ r"""Sample and hold: the input at the last sampling time, as in a digital contro
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
 Time steps end at all sampling times; the first one is the start of the run. In an equilibrium the value is the input.
-With an 'initial' value it is that instead, and the first sample is the one at t_0 + T.
+With an 'initial' value it is that instead, and the first sample is the one at t_0 + T. Samples are rounded to whole
+multiples of the 'resolution', as an encoder or a converter does, halves upwards; an equilibrium, and thus modes and
+margins, have the input itself.
 
 What jumps at a sampling time, such as a 'switch', a law of time or another 'sample_and_hold', is sampled before its
 jump: of two with one period in a row, the second is late by one period, as a controller that computes for so long.
 One that reads its own value is a discrete filter or integrator: y(t_k) depends on y(t_(k-1)).
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import INITIAL, signal_of_input
+from mecano.constraints.along_coordinate.signal import INITIAL, OF_VALUE, signal_of_input
 from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
-from mecano.schema import NUMBER, Field, positive
+from mecano.schema import NUMBER, Field, not_negative, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
 HELD, START, COUNT = range(3)  # in the memory: the value; time of the first sample; number of samples
@@ -45,14 +48,24 @@ def commit(p, at, m_out):
         m_out[START] = at.t
     following = at.m[START] + at.m[COUNT] * p.period  # a sum of periods would drift from 'sampling_times'
     if starts or at.t >= following - (ROUNDING * p.period + SAME_TIME * abs(at.t)):
-        m_out[HELD] = at.q[OWN] if starts else at.q[U]
+        value = at.q[OWN] if starts else at.q[U]
+        m_out[HELD] = value if starts and p.begins != 0.0 else rounded(value, p.resolution)
         m_out[COUNT] = at.m[COUNT] + 1.0
 
 
+@kernel
+def rounded(u, resolution):
+    """Return the multiple of the ``resolution`` that is nearest to u; u itself if that is zero."""
+    return math.floor(u / resolution + 0.5) * resolution if resolution > 0.0 else u
+
+
 def prepare(d, nodes, context):
-    """Return period and initial value, and whether there is one."""
+    """Return period, resolution and initial value, and whether there is one."""
     initial = d["initial"]
-    return {"period": d["period"], "initial": initial or 0.0, "begins": 0.0 if initial is None else 1.0}
+    return {
+        "period": d["period"], "resolution": d["resolution"],
+        "initial": initial or 0.0, "begins": 0.0 if initial is None else 1.0,
+    }  # fmt: skip
 
 
 def sampling_times(d, start, end):
@@ -69,8 +82,16 @@ SAMPLE_AND_HOLD = signal_of_input(
         default=None,
         doc="value in the first period, and in an equilibrium; that of the input when absent",
     ),
+    Field(
+        "resolution",
+        NUMBER,
+        OF_VALUE,
+        "samples are rounded to whole multiples of it; 0: not at all",
+        0.0,
+        check=not_negative,
+    ),
     jumps=lambda d: True,
-    dtype=record(period=(), initial=(), begins=()),
+    dtype=record(period=(), resolution=(), initial=(), begins=()),
     same_unit_as=lambda d: d["input"],
     memory=("held", "start", "count"),
     reads_past=True,
