@@ -1,6 +1,7 @@
 """Springs, bushings and contacts that begin to act at a time or by a condition: motion and energy."""
 
 import math
+import textwrap
 from itertools import product
 
 import numpy as np
@@ -226,3 +227,29 @@ def test_a_contact_that_waits_until_the_end_is_reported(tmp_path):
     (tmp_path / "deck.yaml").write_text(MOMENT.replace("TRIGGERS", "activate: {time: 0.35}"))
     results = mecano.run(tmp_path / "deck.yaml", tmp_path / "deck.h5", quiet=True)
     assert "activated without effect, as the bodies overlapped until the end: contact 'floor'" in results.reason
+
+
+def test_conditions_that_did_not_become_true_are_reported(tmp_path):
+    """Those of a release and an activation, but not that of a fuse, nor one that was met."""
+    (tmp_path / "deck.yaml").write_text(
+        textwrap.dedent("""
+        mecano: 1
+        gravity: [0, 0, -10]
+        nodes: {a: {position: [1, 0, 0]}, b: {position: [2, 0, 0]}}
+        elements:
+          a: {type: point_mass, node: a, mass: 1}
+          b: {type: point_mass, node: b, mass: 1}
+          late: {type: spring_damper, nodes: [a, b], law: {spring: 1}, activate: {when: guide.displacement > 5}}
+          met: {type: spring_damper, nodes: [a, b], law: {spring: 1}, activate: {when: time > 0.05}}
+        joints:
+          guide: {type: prismatic, nodes: [ground, a], axis: [0, 0, 1], release: {when: guide.displacement > 1}}
+          fuse: {type: fixed, nodes: [ground, b], release: {when: "abs(fuse.force.z) > 1e3"}}
+        time: {end: 0.1, step: 0.01}
+        """)
+    )
+    results = mecano.run(tmp_path / "deck.yaml", tmp_path / "deck.h5", quiet=True)
+    wanted = "conditions that did not become true: "
+    wanted += "spring_damper 'late', 'activate: {when: guide.displacement > 5}'; "
+    wanted += "prismatic 'guide', 'release: {when: guide.displacement > 1}'"
+    assert wanted in results.reason
+    assert "fuse" not in results.reason and "'met'" not in results.reason

@@ -359,6 +359,7 @@ class Ongoing:
         warnings += limit_warnings(deck, sampler, extremes)
         warnings += open_latch_warnings(deck, recorder.row, sampler)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
+        warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases)
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
@@ -385,3 +386,11 @@ class Ongoing:
     def checkpoint(self) -> None:
         """Write a checkpoint of the current state. Raises ResultsError."""
         self._checkpoint_writer.write(self.state)
+
+
+def _unmet_conditions(deck, system, phases):
+    if not any(event.command for batch in system.batches for event in batch.kind.events):
+        return ()
+    from mecano.analyses.unmet_conditions import unmet_condition_warnings  # few runs have conditions
+
+    return unmet_condition_warnings(deck, system, phases)

@@ -1,0 +1,43 @@
+"""Warnings of a completed run about releases, activations and grips whose condition did not become true."""
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from mecano.errors import name_list
+from mecano.model.model import title_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from mecano.deck.deck import Deck
+    from mecano.model.system import System
+
+MOST_CONDITIONS = 4  # named in a warning
+LOAD = r"\b{}\.(?:\w+\.)*(?:tension|\w*force\w*|\w*moment\w*|\w*torque\w*)\b"  # on the element of this name
+
+
+def unmet_condition_warnings(deck: "Deck", system: "System", phases: "np.ndarray") -> Iterator[str]:
+    """Yield a warning that names the conditions that, by the ``phases`` at the end, were never met.
+
+    Those on a load of the element itself are those of a fuse, which is meant to hold.
+    """
+    found = dict.fromkeys(text for batch in system.batches for text in _unmet(deck, batch, phases[batch.phases]))
+    if found:
+        yield f"conditions that did not become true: {name_list(list(found), MOST_CONDITIONS, '; ')}"
+
+
+def _unmet(deck, batch, phases):
+    """Yield a text for each element of a batch that still waits for the condition of a command."""
+    for command in filter(None, dict.fromkeys(event.command for event in batch.kind.events)):
+        events = [event for event in batch.kind.events if event.command == command]
+        waiting = {event.before for event in events} - {event.after for event in events}
+        for (path, _), phase in zip(batch.paths, phases, strict=True):
+            section, _, name = path.partition("/")
+            values = deck.values[section][name]
+            field = "latch" if values.get("latch") else ""
+            trigger = (values[field] if field else values).get(command)
+            if batch.kind.phases[phase] in waiting and trigger and trigger["when"]:
+                if not re.search(LOAD.format(re.escape(name)), trigger["when"]):
+                    place = f"{field}.{command}" if field else command
+                    yield f"{title_of(values['type'], name)}, '{place}: {{when: {trigger['when']}}}'"
