@@ -86,6 +86,10 @@ def test_no_convergence(tmp_path):
     assert first.startswith("  node ball: force x: residual ")
     assert first.endswith("; on it act point_mass 'ball', spring_damper 'catapult'")
     assert "what to try: a smaller time.step" in said and "mecano check" in said
+    assert said.splitlines()[-2:] == [
+        "point_mass 'ball' is at deck.yaml:7:3",
+        "spring_damper 'catapult' is at deck.yaml:8:3",
+    ]
     check_kept(results)
     near = np.searchsorted(results.time, 0.5)
     assert results["ball.position.x"].values[near] == pytest.approx(1 / (1 - results.time[near]), rel=1e-3)

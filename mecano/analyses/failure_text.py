@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from mecano.element_interface import SECTIONS
@@ -34,11 +35,9 @@ def _places(text, deck):
     if f"{deck.file}:" in text:
         return
     titled = {name: (section, d["type"]) for section in SECTIONS for name, d in deck.values[section].items()}
-    named = [name for name in dict.fromkeys(re.findall(r"'([\w-]+)'", text)) if name in titled]
-    for name in named[:MOST_NAMES]:
-        section, kind = titled[name]
-        if mark := deck.mark(section, name):
-            yield f"{title_of(kind, name)} is at {mark}"
+    quoted = dict.fromkeys(re.findall(r"'([\w-]+)'", text))
+    marks = ((titled[name], name, deck.mark(titled[name][0], name)) for name in quoted if name in titled)
+    yield from islice((f"{title_of(kind, name)} is at {mark}" for (_, kind), name, mark in marks if mark), MOST_NAMES)
 
 
 def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:
@@ -55,7 +54,8 @@ def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> s
                 remedies.setdefault("; ".join(found), []).append(title)
     tries = [f"in {name_list(titles, MOST_NAMES, '; ')}: {found}" for found, titles in remedies.items()]
     known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in affected)]
-    return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
+    places = list(_formulas(error, deck)) or _places(" ".join(error.elements), deck)
+    return "\n".join([str(error), *places, *tries, *known])
 
 
 def _formulas(error, deck):
