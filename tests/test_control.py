@@ -110,6 +110,12 @@ def test_a_loop_of_one_signal_is_refused():
         prepare(deck(LOOP.replace("SIGNAL", '"first + 1"')))
 
 
+def test_a_sampled_sum_without_an_initial_value_is_refused():
+    """In an equilibrium a sample is its input, which a sum does not determine."""
+    with pytest.raises(AssemblyError, match="; an 'initial' value of 'first' breaks the loop$"):
+        prepare(deck(LOOP.replace("SIGNAL", "{type: sample_and_hold, input: first + rail.velocity, period: 1 ms}")))
+
+
 def test_a_loop_is_reported_before_values_that_are_not_finite():
     """acos(2 + first) is no number, and would be none of the undetermined signal first = 0."""
     with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):

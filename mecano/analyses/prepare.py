@@ -127,10 +127,14 @@ def _refuse_circles(deck, system, state):
     try:
         refuse_circles(system, state)
     except AssemblyError as error:
-        titles = {title_of(d["type"], name): name for name, d in deck.values["signals"].items()}
-        marks = [deck.mark("signals", titles[title]) for title in error.elements if title in titles]
+        signals = deck.values["signals"]
+        titles = {title_of(d["type"], name): name for name, d in signals.items()}
+        names = [titles[title] for title in error.elements if title in titles]
+        marks = [deck.mark("signals", name) for name in names]
         mark = f"{marks[0]}: " if marks and marks[0] else ""
-        raise AssemblyError(f"{mark}{error}", error.failure) from None
+        held = next((name for name in names if signals[name].get("initial", False) is None), None)
+        hint = f"; an 'initial' value of '{held}' breaks the loop" if held else ""
+        raise AssemblyError(f"{mark}{error}{hint}", error.failure) from None
 
 
 def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], object]] = ()) -> TimeIntegrator:
