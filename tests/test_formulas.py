@@ -15,6 +15,7 @@ TEXTS = [
     "1 + 2*3 - 4/5", "-2**2", "2**-1", "a - b.angle - n.position.z", "min(a, b.angle, 3)*max(1, a)", "sqrt(a)**3",
     "hypot(a, b.angle)", "atan2(b.angle, a)", "abs(b.angle) + sign(b.angle)", "exp(-a)*cos(pi*time)", "tanh(a)/log(3)",
     "asin(a) + acos(a) + atan(a) + tan(a) + sin(a)", "((((a + 1)*2 + 1)*2 + 1)*2 + 1)", "+a",
+    "step(a, 0.5, 0.8)*step(a, 0.9, a + 1) + step(0.9*a, 0.2, 0.4) + 2*step(time, 0, a)",
 ]  # fmt: skip
 
 
@@ -25,10 +26,14 @@ def worth(text, values, time=0.4):
     return evaluate_formula(laws, 0, time, q, 0)
 
 
+def plain_step(x, a, b):
+    return float(np.polyval([6.0, -15.0, 10.0, 0.0, 0.0, 0.0], np.clip((x - a) / (b - a), 0.0, 1.0)))
+
+
 def plain(text, time=0.4):
     functions = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "tanh")}
     functions |= {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "hypot": math.hypot, "abs": abs, "min": min}
-    functions |= {"max": max, "pi": math.pi, "time": time, "sign": lambda x: math.copysign(1.0, x)}
+    functions |= {"step": plain_step, "max": max, "pi": math.pi, "time": time, "sign": lambda x: math.copysign(1.0, x)}
     for name, value in VALUES.items():
         text = text.replace(name, f"({value})") if "." in name else text
     return eval(text, functions | {"a": VALUES["a"]})
@@ -62,6 +67,7 @@ def test_slopes(text):
         ("2*sinus(a)", "no function 'sinus'; known: sin, cos", 2),
         ("sin(a, b)", "'sin' has the wrong number of arguments", 0),
         ("max(a)", "'max' has the wrong number of arguments", 0),
+        ("1 + step(a, 0, 1, 2, 3)", "arguments: step(x, a, b) is 0 until x = a, 1 from x = b on", 4),
         ("a[0]", "numbers, names", 0),
         ("2*a^2", r"written with \*\*, as in x\*\*2", 0),
         ("__import__('os')", "no function", 0),
@@ -72,7 +78,7 @@ def test_slopes(text):
     ],
 )
 def test_wrong_formulas(text, message, column):
-    with pytest.raises(FormulaError, match=message.replace("(", "[(]")) as error:
+    with pytest.raises(FormulaError, match=message.replace("(", "[(]").replace(")", "[)]")) as error:
         read_formula(text)
     assert error.value.column == column
 

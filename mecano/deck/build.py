@@ -1,5 +1,6 @@
 """Checked deck -> model: nodes, elements, laws, and the initial velocities."""
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from mecano.deck.deck import Deck
     from mecano.model.state import State
     from mecano.model.system import System
+
+WITH_CORNERS = re.compile(r"\b(?:abs|min|max|step)\(")
 
 
 def _with_unit_in_si(d):
@@ -79,7 +82,7 @@ def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
 
 
 def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
-    """Return the times [s], ascending, of jumps and corners of laws of time, and of samples of signals."""
+    """Return the times [s], ascending, of jumps and corners of laws and formulas of time, and of samples of signals."""
     return tuple(sorted(_samples(deck) | _corners(deck)))
 
 
@@ -97,7 +100,22 @@ def _corners(deck):
     run = deck.values["time"]
     entries = [d for section in SECTIONS for d in deck.values[section].values()]
     times = {t for d in entries for t in KINDS[d["type"]].times(d, run["start"], run["end"])}
-    return times.union(*(breakpoints(law) for law in _laws_of_time(deck)))
+    return times.union(*(breakpoints(law) for law in _laws_of_time(deck)), _formula_corners(deck))
+
+
+def _formula_corners(deck):
+    formulas = {text for text in _formulas_of_time(deck) if WITH_CORNERS.search(text)}
+    if not formulas:
+        return ()
+    from mecano.laws.formula_corners import corners  # few runs need it
+
+    start, end = deck.values["time"]["start"], deck.values["time"]["end"]
+    return {t for text in formulas for t in corners(read_formula(text, LONGEST).program, start, end)}
+
+
+def _formulas_of_time(deck):
+    """Return the formulas of a deck (set of texts) that contain the time."""
+    return {law for _, _, law in uses_of_time(deck.values, KINDS) if is_formula(law) and "time" in law}
 
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:
@@ -106,8 +124,7 @@ def time_landmarks(deck: "Deck") -> tuple[float, ...]:
     The pulses are those of laws, and of formulas as far as these depend on the time itself.
     """
     found = {t for law in _all_laws_of_time(deck) for t in landmarks(law)}
-    formulas = {law for _, _, law in uses_of_time(deck.values, KINDS) if is_formula(law) and "time" in law}
-    if formulas:
+    if formulas := _formulas_of_time(deck):
         from mecano.laws.formula_pulses import pulses  # few runs need it
 
         run = deck.values["time"]

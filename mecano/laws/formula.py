@@ -19,7 +19,7 @@ DIFFERENCE = 1e-5  # s, or of the time: of the difference for the rate of a phas
 LONGEST, DEEPEST = 500, 50  # characters, levels of brackets
 
 NUMBER, INPUT, TIME = 0, 1, 2
-NEGATIVE, SIN, COS, TAN, ASIN, ACOS, ATAN, SQRT, EXP, LOG, TANH, ABS, SIGN = range(10, 23)
+NEGATIVE, SIN, COS, TAN, ASIN, ACOS, ATAN, SQRT, EXP, LOG, TANH, ABS, SIGN, STEP, STEP_SLOPE, STEP_BEND = range(10, 26)
 ADD, SUBTRACT, MULTIPLY, DIVIDE, POWER, MIN, MAX, ATAN2, HYPOT = range(30, 39)
 UNARY = {
     "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "sqrt": SQRT, "exp": EXP,
@@ -27,7 +27,10 @@ UNARY = {
 }  # fmt: skip
 BINARY = {"atan2": ATAN2, "hypot": HYPOT}
 SEVERAL = {"min": MIN, "max": MAX}  # of two arguments or more
-FUNCTIONS = (*UNARY, *BINARY, *SEVERAL)
+OF_THREE = {"step": STEP, "step_slope": STEP_SLOPE, "step_bend": STEP_BEND}
+"""Of x and the ends a, b of the edge: the step, and its first two derivatives by (x - a)/(b - a), for its rates."""
+FUNCTIONS = (*UNARY, *BINARY, *SEVERAL, "step")
+ARGUMENTS = {"step": "step(x, a, b) is 0 until x = a, 1 from x = b on, and smooth between"}
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
@@ -109,6 +112,11 @@ def difference_of(condition):
     return f"({left.strip()}) - ({right.strip()})" if sign[0] == ">" else f"({right.strip()}) - ({left.strip()})"
 
 
+def share_of_edge(x, a, b):
+    """Return the tree of (x - a)/(b - a), of which a step is a function."""
+    return ast.BinOp(ast.BinOp(x, ast.Sub(), a), ast.Div(), ast.BinOp(b, ast.Sub(), a))
+
+
 class _Reader:
     """One walk through the tree of a formula, which writes its program."""
 
@@ -160,8 +168,11 @@ class _Reader:
             return self._one(UNARY[name], tree.args[0], level)
         if (name in BINARY and count == 2) or (name in SEVERAL and count > 1):
             return self._pairs((BINARY | SEVERAL)[name], tree.args, level)
+        if name in OF_THREE and count == 3:
+            return self._one(OF_THREE[name], share_of_edge(*tree.args), level)
         if name in FUNCTIONS:
-            raise FormulaError(f"'{name}' has the wrong number of arguments", self._column(tree))
+            how = f": {ARGUMENTS[name]}" if name in ARGUMENTS else ""
+            raise FormulaError(f"'{name}' has the wrong number of arguments{how}", self._column(tree))
         raise FormulaError(f"there is no function '{name}'; known: {', '.join(FUNCTIONS)}", self._column(tree))
 
     def _leaf(self, tree):
@@ -284,7 +295,21 @@ def of_one(code, a):
         return chain(a, y, 1.0 - y * y)
     if code == ABS:
         return abs(a)
+    if code >= STEP:
+        return step_of(code, a)
     return chain(a, select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0)), 0.0)
+
+
+@kernel
+def step_of(code, a):
+    """Return u^3 (10 - 15 u + 6 u^2), or its first or second derivative by u; u is a, kept between 0 and 1."""
+    u = min(max(value(a), 0.0), 1.0)
+    slope, bend = 30.0 * u * u * (1.0 - u) * (1.0 - u), 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+    if code == STEP:
+        return chain(a, u * u * u * (10.0 - u * (15.0 - 6.0 * u)), slope)
+    if code == STEP_SLOPE:
+        return chain(a, slope, bend)
+    return chain(a, bend, select(0.0 < u < 1.0, 60.0 - 360.0 * u * (1.0 - u), 0.0))
 
 
 @kernel

@@ -27,12 +27,16 @@ SAME = 1e-4  # of a WIDTH: closer places are one
 UNARY = {
     of.NEGATIVE: np.negative, of.SIN: np.sin, of.COS: np.cos, of.TAN: np.tan, of.ASIN: np.arcsin, of.ACOS: np.arccos,
     of.ATAN: np.arctan, of.SQRT: np.sqrt, of.EXP: np.exp, of.LOG: np.log, of.TANH: np.tanh, of.ABS: np.abs,
-    of.SIGN: np.sign,
+    of.SIGN: np.sign, of.STEP: lambda u: _smooth_step(np.clip(u, 0.0, 1.0)),
 }  # fmt: skip
 BINARY = {
     of.ADD: np.add, of.SUBTRACT: np.subtract, of.MULTIPLY: np.multiply, of.DIVIDE: np.divide, of.POWER: np.power,
     of.MIN: np.minimum, of.MAX: np.maximum, of.ATAN2: np.arctan2, of.HYPOT: np.hypot,
 }  # fmt: skip
+
+
+def _smooth_step(u):
+    return u**3 * (10.0 - u * (15.0 - 6.0 * u))
 
 
 def pulses(program: Program, start: float, end: float) -> list[float]:
@@ -47,14 +51,14 @@ def _outer_parts(program):
     A pulse may be small beside a wave to which it is added.
     """
     found = []
-    for part, operands in _parts(program):
+    for part, operands in parts(program):
         if part[-1][0] not in (of.ADD, of.SUBTRACT):
             found = [one for one in found if one not in operands]
         found.append(part)
     return found
 
 
-def _parts(program: Program) -> "Iterator[tuple[Program, list[Program]]]":
+def parts(program: Program) -> "Iterator[tuple[Program, list[Program]]]":
     """Yield (part, operands) of the parts of a program that depend on time alone, each after its own parts."""
     stack: list[tuple] = []
     for step in program:
@@ -67,17 +71,17 @@ def _parts(program: Program) -> "Iterator[tuple[Program, list[Program]]]":
 
 def _pulses_of(part, t):
     """Return the times of the pulses of a program of the time alone between the first and the last of the times t."""
-    inner, duration = {one for one, _ in _parts(part)}, t[-1] - t[0]
+    inner, duration = {one for one, _ in parts(part)}, t[-1] - t[0]
     if len(inner) < 3:  # linear, or a single function of it
         return t[:0]
     places = _distinct([_places(one, t) for one in inner], duration)
     places = np.concatenate([places, 0.5 * (places[1:] + places[:-1])])
-    values = _values(part, places[:, None] + WIDTH * duration * SIDES)
-    whole = np.concatenate([_values(part, t), values.ravel()])
+    near = values(part, places[:, None] + WIDTH * duration * SIDES)
+    whole = np.concatenate([values(part, t), near.ravel()])
     if not np.isfinite(whole).all():
         return t[:0]
-    height = np.abs(values[:, 0] - values[:, 1:].mean(axis=1))
-    alone = np.ptp(values[:, 1:], axis=1) < QUIET * height
+    height = np.abs(near[:, 0] - near[:, 1:].mean(axis=1))
+    alone = np.ptp(near[:, 1:], axis=1) < QUIET * height
     return places[alone & (height > NARROW * np.ptp(whole)) & (height > CONSTANT * np.abs(whole).max())]
 
 
@@ -89,7 +93,7 @@ def _distinct(times, duration):
 
 def _places(part, t):
     """Return the times at which a program of the time alone changes its sign, or has an extremum between samples t."""
-    y = _values(part, t)
+    y = values(part, t)
     if not np.isfinite(y).all() or np.ptp(y) <= CONSTANT * np.abs(y).max():
         return t[:0]
     rising = np.diff(y)
@@ -97,8 +101,8 @@ def _places(part, t):
     if len(crossed) + len(turned) > MOST:
         return t[:0]
     sense, top = np.where(y[crossed] > 0.0, 1.0, -1.0), np.sign(rising[turned])
-    zeros = _refined(lambda x: np.argmax(sense[:, None] * _values(part, x) <= 0.0, axis=1), t[crossed], t[crossed + 1])
-    peaks = _refined(lambda x: np.argmax(top[:, None] * _values(part, x), axis=1), t[turned], t[turned + 2])
+    zeros = _refined(lambda x: np.argmax(sense[:, None] * values(part, x) <= 0.0, axis=1), t[crossed], t[crossed + 1])
+    peaks = _refined(lambda x: np.argmax(top[:, None] * values(part, x), axis=1), t[turned], t[turned + 2])
     return np.concatenate([zeros, peaks])
 
 
@@ -112,7 +116,7 @@ def _refined(index, low, high):
     return 0.5 * (low + high)
 
 
-def _values(part, t):
+def values(part: Program, t: np.ndarray) -> np.ndarray:
     """Return the values of a program of the time alone at the times t, an array of any shape."""
     stack: list[np.ndarray] = []
     with np.errstate(all="ignore"):

@@ -2,7 +2,7 @@
 
 import ast
 
-from mecano.laws.formula import BINARY, FormulaError, read_formula
+from mecano.laws.formula import BINARY, FormulaError, read_formula, share_of_edge
 
 LONGEST = 100_000  # characters of a formula in which signals are inserted, and of its rates
 
@@ -15,6 +15,7 @@ SMOOTH = {  # function: its derivative, a formula of the argument {0}
     "acos": "-1/sqrt(1 - ({0})**2)", "atan": "1/(1 + ({0})**2)", "sqrt": "1/(2*sqrt({0}))", "exp": "exp({0})",
     "log": "1/({0})", "tanh": "1 - tanh({0})**2",
 }  # fmt: skip
+STEPS = {"step": "step_slope", "step_slope": "step_bend"}  # functions of x, a, b: derivatives by (x - a)/(b - a)
 ZERO, ONE = "0", "1"
 
 
@@ -76,8 +77,10 @@ def _of_call(name, arguments):
         return ZERO
     if name in SMOOTH:
         return _times(SMOOTH[name].format(*texts), rates[0])
+    if name in STEPS:
+        return _times(f"{STEPS[name]}({', '.join(texts)})", _rate(share_of_edge(*arguments)))
     if name not in BINARY:
-        raise FormulaError(f"'{name}' has a corner: its rates jump")
+        raise FormulaError(f"'{name}' has a corner: its rates jump; step(time, a, b) is a smooth rise from 0 to 1")
     (a, b), (u, v) = texts, rates
     if name == "atan2":
         return _times(f"1/(({a})**2 + ({b})**2)", _plus(_times(u, b), _times(f"-({a})", v)))

@@ -31,6 +31,7 @@ from mecano.laws.formula import (
     SIGN,
     SIN,
     SQRT,
+    STEP,
     SUBTRACT,
     TAN,
     TANH,
@@ -51,7 +52,7 @@ if TYPE_CHECKING:
 UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number, which adopts that of a sum or comparison
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
-OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN, EXP, LOG), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
+OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN, EXP, LOG, STEP), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
 OF_NO_QUANTITY = (UNKNOWN, "-", "s", "1/s", "1/s2")
 """Units of formulas that any field accepts: a ramp is a number times time, a quotient of lengths may be an angle."""
 OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}

@@ -6,8 +6,9 @@ It may contain numbers, parameters (``$gain``), ``time``, ``pi``, + - * / ** ( )
 (``path.slope``), outputs of elements and joints (``elbow.angle``, ``strut.force``) and their powers
 (``motor.given_power``, ``strut.dissipated_power``), the motion of nodes (``tip.position.z``, ``tip.velocity.x``,
 ``tip.angular_velocity.y``), and the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, log, tanh, hypot, abs,
-sign, min, max. All are in SI units and radians. If a name occurs in two sections of the deck, prefix the section:
-``joints.elbow.angle``. In the section ``signals`` the formula alone suffices: ``torque: 40*error``.
+sign, min, max, and step(x, a, b), which rises smoothly from 0 at x = a to 1 at x = b. All are in SI units and radians.
+If a name occurs in two sections of the deck, prefix the section: ``joints.elbow.angle``. In the section ``signals`` the
+formula alone suffices: ``torque: 40*error``.
 
 y is an unknown of the model: the implicit step has the exact derivatives of forces that depend on it, and signals that
 depend on one another are solved simultaneously.
@@ -44,6 +45,7 @@ def sample(rng):
         ({"value": "3*a.angle - b**2/(c + 4) + min(a.angle, b, 0.5) - max(c, 0.1)*time"}, 1, ""),
         ({"value": "sin(a) + cos(b)*tan(c) - atan2(a, 1 + c) + hypot(a, b + 2) + abs(c) + sign(a)"}, 1, ""),
         ({"value": "asin(a) + acos(b) + atan(c) + sqrt(4 + a) + exp(b)*log(2 + c) - tanh(-a) + (2 + a)**b"}, 1, ""),
+        ({"value": "step(a, -9, 9)*step(time, -1, b)"}, 1, ""),
         ({"value": "time**2"}, 1, ""),
     ]
 

@@ -1,0 +1,53 @@
+"""Corners of formulas of the time: of abs, min and max, and at both ends of the edge of a step.
+
+They are where the argument of abs vanishes, where both arguments of min or max are equal, and where the share of the
+edge is 0 or 1. Only parts of a formula that depend on the time alone have them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mecano.laws import formula as of
+from mecano.laws.formula_pulses import MOST, SAMPLES, Program, parts, values
+
+WITH_CORNERS = {of.ABS, of.MIN, of.MAX, of.STEP}
+HALVINGS = 64  # of an interval, after which its ends are neighbouring numbers
+
+
+def corners(program: Program, start: float, end: float) -> list[float]:
+    """Return the times [s], ascending, between ``start`` and ``end`` at which parts of a program have corners.
+
+    A part that has more than MOST is an oscillation, and has none.
+    """
+    if not WITH_CORNERS & {code for code, _ in program}:
+        return []
+    t = np.linspace(start, end, SAMPLES + 1)
+    times = np.unique(np.concatenate([*(_zeros(one, t) for one in _conditions(program)), np.zeros(0)]))
+    return times[(times > start) & (times < end)].tolist()
+
+
+def _conditions(program: Program) -> Iterator[Program]:
+    """Yield the programs that vanish at corners."""
+    for part, operands in parts(program):
+        code = part[-1][0]
+        if code in (of.ABS, of.STEP):
+            yield operands[0]
+        if code == of.STEP:
+            yield (*operands[0], (of.NUMBER, 1.0), (of.SUBTRACT, 0.0))
+        if code in (of.MIN, of.MAX):
+            yield (*operands[0], *operands[1], (of.SUBTRACT, 0.0))
+
+
+def _zeros(program, t):
+    """Return the first times at which a program has changed its sign between samples t."""
+    y = values(program, t)
+    changed = np.flatnonzero((y[:-1] != 0.0) & (y[:-1] * y[1:] <= 0.0))
+    if len(changed) > MOST:
+        return t[:0]
+    low, high, sense = t[changed], t[changed + 1], -np.sign(y[changed])
+    for _ in range(HALVINGS if len(changed) else 0):
+        middle = 0.5 * (low + high)
+        beyond = sense * values(program, middle) >= 0.0
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return high
