@@ -1,6 +1,7 @@
 """Documentation of study files: `mecano explain study`, `mecano schema --study`."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -72,3 +73,13 @@ def test_the_commands():
     )
     written = CliRunner().invoke(commands, ["schema", "--study"], catch_exceptions=False).output
     assert json.loads(written) == study_schema()
+
+
+def test_values_of_ranges_have_the_unit_of_their_ends(tmp_path):
+    """Also in the case that a message names; in the table they are in SI units."""
+    (tmp_path / "deck.yaml").write_text("mecano: 1\nparameters: {angle: 1 rad}\n")
+    grid = "grid: {parameters.angle: {from: 5 deg, to: 20 deg, number: 3}}"
+    (tmp_path / "study.yaml").write_text(f"study: 1\ndeck: deck.yaml\n{grid}\n")
+    cases = read_study(str(tmp_path / "study.yaml")).cases
+    assert [case.values["parameters.angle"] for case in cases] == ["5 deg", "12.5 deg", "20 deg"]
+    assert [case.shown["parameters.angle"] for case in cases] == [x * math.pi / 180.0 for x in (5.0, 12.5, 20.0)]

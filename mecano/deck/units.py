@@ -88,13 +88,13 @@ def converted(text: str, declared: str) -> float:
     ``declared`` may name several units ("N or N m"); "-" means none; any unit is accepted if it depends on the use
     ("unit of the value"). Raises UnitError.
     """
-    number, unit = _split(text)
+    number, unit = number_and_unit(text)
     factor = factor_of(unit, declared)
     power = _power_of_ten(factor)
     return float(number) * factor if power >= 0 else float(number) / 10.0**-power  # 100 us are 1e-4 s
 
 
-def _split(text: str) -> tuple[str, str]:
+def number_and_unit(text: str) -> tuple[str, str]:
     """Return the number and the unit, as written, of a quantity."""
     match = QUANTITY.fullmatch(text)
     assert match is not None, f"{text!r} is not a quantity"
@@ -111,7 +111,7 @@ def _dimension(unit: str) -> Powers:
 def dimension_of(text: str, quantity: bool = False) -> tuple[float, ...] | None:
     """Return the powers of m, kg and s of a unit, or of a ``quantity``; None without a unit. Angles are numbers."""
     if quantity:
-        return _powers(text) if is_quantity(text) and parsed(_split(text)[1]) else None
+        return _powers(text) if is_quantity(text) and parsed(number_and_unit(text)[1]) else None
     found = (1.0, NONE) if text == "-" else parsed(text)
     return None if found is None else found[1][:3]
 
@@ -136,7 +136,7 @@ def alike(first: str, second: str) -> bool:
 
 def _powers(text):
     """Return the powers of length, mass and time of a quantity; radians are numbers."""
-    return _dimension(_split(text)[1])[:3]
+    return _dimension(number_and_unit(text)[1])[:3]
 
 
 def go_together(coefficients: Mapping[int, str]) -> bool:
@@ -151,19 +151,19 @@ def go_together(coefficients: Mapping[int, str]) -> bool:
 
 def same_dimension(one: str, other: str) -> bool:
     """Return True if two valid quantities have the same dimension."""
-    return _dimension(_split(one)[1]) == _dimension(_split(other)[1])
+    return _dimension(number_and_unit(one)[1]) == _dimension(number_and_unit(other)[1])
 
 
 def is_in_si(text: str) -> bool:
     """Return True if the unit of a valid quantity is that of SI, such as N m, without a prefix, or a share."""
-    found = parsed(_split(text)[1])
+    found = parsed(number_and_unit(text)[1])
     assert found is not None, f"{text!r} has no unit"
     return found[0] == 1.0 or found[1] == NONE
 
 
 def si_unit(text: str) -> str:
     """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
-    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], _split(text)[1])
+    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], number_and_unit(text)[1])
     return "" if unit == "1" else unit
 
 

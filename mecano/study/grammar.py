@@ -8,7 +8,7 @@ from mecano.deck.compose import MAX_DEPTH, Content, Node
 from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one, not_empty
 from mecano.deck.scope import INVALID, Invalid, Scope
-from mecano.deck.units import ANY, UnitError, alike, converted, is_quantity, si_unit
+from mecano.deck.units import ANY, UnitError, alike, converted, is_quantity, number_and_unit
 from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, Values, choice, list_of, mapping, named
 
@@ -187,8 +187,11 @@ def here(node: Node, value: Content, raw: str = "") -> Node:
 
 
 def between(node: Node, value: float, raw: str) -> Node:
-    """Return the node of a value [SI] of a range whose end is written as ``raw``: with its SI unit, if it has one."""
-    return here(node, f"{value!r} {si_unit(raw)}" if is_quantity(raw) and si_unit(raw) else value, raw)
+    """Return the node of a value [SI] of a range whose end is written as ``raw``: in its unit, if it has one."""
+    if not is_quantity(raw):
+        return here(node, value, raw)
+    _, unit = number_and_unit(raw)
+    return here(node, f"{value / converted(f'1 {unit}', ANY):.15g} {unit}", raw)
 
 
 def plain(node: Node) -> Any:
