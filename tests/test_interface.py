@@ -532,6 +532,13 @@ class TestSweep:
         with pytest.raises(ResultsError, match="0003.h5"):
             study.results(3)
 
+    def test_a_data_frame_has_whole_numbers_of_cases(self, folder):
+        pandas = pytest.importorskip("pandas")
+        (folder / "study.yaml").write_text(STUDY)
+        frame = mecano.sweep("study.yaml", jobs=1, quiet=True).to_pandas()
+        assert frame["case"].tolist() == [1, 2] and frame["exit_code"].tolist() == [0, 0]
+        assert pandas.api.types.is_integer_dtype(frame["exit_code"]) and frame["swing"].dtype == float
+
     def test_notebooks_display_tables(self, folder):
         (folder / "study.yaml").write_text(STUDY)
         study = mecano.sweep("study.yaml", jobs=1, quiet=True)

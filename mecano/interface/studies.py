@@ -121,10 +121,14 @@ class Study:
         return Results(self.folder / f"{case:0{max(4, len(str(len(self))))}d}.h5")
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a DataFrame with a row for each case. Raises ImportError without pandas."""
+        """Return a DataFrame with a row for each case; its number and exit code are whole numbers, or missing.
+
+        Raises ImportError without pandas.
+        """
         from mecano.interface.results import imported
 
         frame = imported("pandas", "Study.to_pandas").DataFrame({name: self[name] for name in self.columns})
+        frame = frame.astype(dict.fromkeys(frame.columns.intersection(["case", "exit_code"]), "Int64"))
         frame.attrs["units"] = self.units
         return frame
 
