@@ -35,6 +35,8 @@ class Contradictions:
         1 of those along a direction, whose rates are in m/s; 0 of those about one, rad/s.
     fields : tuple
         Names and values of the fields of the record STRIDE by which compiled code checks the constraints.
+    soft : ((n,) int, (n,) int)
+        Indices of the redundant constraints, which are compliant, and whether they are along a direction.
     share_of_gap : (n_l,) float
         Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
     """
@@ -45,7 +47,10 @@ class Contradictions:
         self.released = NO_ROWS[1] if compliance is None else compliance.released.astype(np.int64)
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
         of, allowed = system.numbering, GAP * constraint_scale(system, length)
-        self.along = (of.kind[of.n_q + self.released] == LENGTH_CONSTRAINT).astype(np.int64)
+        self.along, along = (
+            (of.kind[of.n_q + rows] == LENGTH_CONSTRAINT).astype(np.int64) for rows in (self.released, self._soft)
+        )
+        self.soft = self._soft.astype(np.int64), along
         self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         arrays = {name: getattr(self, name) for name in ("share_of_gap", "released", "along")}
         numbers = ("checks_gaps", self.possible), ("n_released", len(self.released))

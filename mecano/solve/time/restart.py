@@ -1,28 +1,44 @@
 """Restart of generalized-alpha in compiled code, where forces jump but the motion and all phases do not.
 
-As ``GeneralizedAlpha.start``, for models without redundant constraints, friction by reactions, and scalars without
+As ``GeneralizedAlpha.start``, for models without released constraints, friction by reactions, and scalars without
 inertia besides signals: consistent velocities, signals, accelerations and multipliers, and a new history.
 """
 
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loop_records import Pointers, fields
 from mecano.model.numbering import SCALAR, SIGNAL
+from mecano.model.state import Instant
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.compiled_signals import SIGNALS, CompiledSignals, settle_at_once
-from mecano.solve.time.constrained_mass import MASS, ConstrainedMass, accelerate, assemble_mass, change, factor_mass
+from mecano.solve.time.constrained_mass import (
+    MASS,
+    ConstrainedMass,
+    accelerate,
+    assemble_mass,
+    change,
+    deflect,
+    factor_mass,
+)
+from mecano.solve.time.contradictions import AT_START
+from mecano.solve.time.increments import move
 from mecano.solve.time.massless_scalars import DIFFERENCE
-from mecano.solve.time.step import gap_of
-from mecano.solve.time.workspace import BEGIN, STEP, TANGENT, history_of, state_of
+from mecano.solve.time.step import gap_of, largest_speeds
+from mecano.solve.time.workspace import BEGIN, STEP, TANGENT, TRIAL, copy_state, history_of, state_of, unknowns_of
 
 if TYPE_CHECKING:
     from mecano.model.state import History, State
     from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 
-RESTART = fields(floats="h", words="done mass signals change_step change_step_words restart restart_words")
+RESTART = fields(
+    floats="h",
+    words="done mass signals n_soft soft along displacement still change_step change_step_words restart restart_words",
+)
 
 
 @entry
@@ -40,19 +56,68 @@ def restart(restarting: Records(RESTART), work: Records(STEP)):
 
 @kernel
 def accelerated(r, w, s):
-    """Make velocities, signals, accelerations and multipliers consistent; return whether that was possible."""
+    """Make velocities, signals, accelerations and multipliers consistent; return whether that was possible.
+
+    Positions have the deflection of the compliances, which they would otherwise oscillate about.
+    """
     mass = items(r.mass, 1, MASS)
     m = mass[0]
     assemble_mass(mass, s)
     if scalars_are_loose(m) or not factor_mass(m):
         return False
-    x = change(m, gap_of(w, s, 1), -1.0)
-    for i in range(w.n_q):
-        s.v[i] += x[i]
-    if not settle_at_once(items(r.signals, 1, SIGNALS), s, DIFFERENCE * r.h):
+    change_rigidly(m, gap_of(w, s, 1), s.v)
+    if contradicted(r, w, s) or not settle_at_once(items(r.signals, 1, SIGNALS), s, DIFFERENCE * r.h):
         return False
     accelerate(m, s, s.v, s.z, s.a)
+    if m.n_entries:
+        deflect_positions(r, w, m, s)
     return True
+
+
+@kernel
+def change_rigidly(m, gap, x_out):
+    """Add to x_out (n_q,) the least change that closes the ``gap`` (n_l,), also of constraints with compliances."""
+    x, yielding = change(m, gap, -1.0), floats(m.violated, m.n_l)
+    for i in range(m.n_q):
+        x_out[i] += x[i]
+    if m.n_entries:
+        deflect(m, x[m.n_q : m.n], m.k, yielding)
+        x = change(m, yielding, 1.0)
+        for i in range(m.n_q):
+            x_out[i] += x[i]
+
+
+@kernel
+def contradicted(r, w, s):
+    """Return whether others leave redundant constraints a rate beyond AT_START, which Python reports."""
+    if not r.n_soft:
+        return False
+    soft, along, rates = integers(r.soft, r.n_soft), integers(r.along, r.n_soft), gap_of(w, s, 1)
+    linear, angular = largest_speeds(w, s, r.h)
+    for i in range(r.n_soft):
+        if abs(rates[soft[i]]) > AT_START * (linear if along[i] else angular):
+            return True
+    return False
+
+
+@kernel
+def deflect_positions(r, w, m, s):
+    """Move the positions of ``s`` by the deflection of the compliances under its reactions."""
+    dq, gap, still = floats(r.displacement, w.n_all), gap_of(w, s, 0), floats(r.still, w.n_all)
+    of_rates, reactions = integers(w.exact_rates, w.n_l), s.z[w.n_q : w.n]
+    c, starts, columns = (
+        floats(m.soft_base, m.n_entries),
+        integers(m.soft_starts, m.n_l + 1),
+        integers(m.soft_columns, m.n_entries),
+    )
+    for i in range(w.n_l):
+        for j in range(starts[i], 0 if of_rates[i] else starts[i + 1]):
+            gap[i] += c[j] * reactions[columns[j]]
+    dq[:] = 0.0
+    change_rigidly(m, gap, dq)
+    copy_state(w, BEGIN, TRIAL)
+    begin = state_of(w, TRIAL)
+    move(unknowns_of(w), 1.0, Instant(s.t, begin.z, dq, still, begin.R, s.phases, s.memory), s)
 
 
 @kernel
@@ -86,9 +151,10 @@ class Restart(Pointers):
         self.method, system, change_step = method, method.system, method.change_step
         self.mass, signals = system.kept(ConstrainedMass), system.kept(CompiledSignals)
         self.mass.solve_by(method.linear)
+        n_all = system.numbering.n_all
         self.point_to(
             mass=self.mass.record, signals=signals.record, change_step=change_step.function,
-            change_step_words=change_step.words,
+            change_step_words=change_step.words, displacement=np.zeros(n_all), still=np.zeros(n_all),
         )  # fmt: skip
         call = restart.call_from_compiled_code(self.record, method.workspace.record)
         self.point_to(restart=call.function, restart_words=call.words)
@@ -96,10 +162,13 @@ class Restart(Pointers):
 
     def prepare(self) -> bool:
         """Prepare the restarts that follow; return whether the present model admits them."""
-        if self._by_multipliers or self.method.compliance is not None:
+        method = self.method
+        if self._by_multipliers or len(method.released):
             return False
-        self.mass.use(None)
-        self.mass.record["length"] = self.method.length
+        self.mass.use(method.compliance)
+        self.mass.record["length"] = method.length
+        soft, along = method.contradictions.soft
+        self.point_to(n_soft=len(soft), soft=soft, along=along)
         return True
 
     def start(self, s: "State", h: float) -> "tuple[State, History] | None":

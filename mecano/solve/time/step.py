@@ -134,20 +134,27 @@ def slips(m, w):
     """Return whether a deactivated constraint slips at TRIAL, by more than half of what is allowed of the speeds."""
     if m.n_released == 0:
         return False
-    s, kind, rates = state_of(w, TRIAL), integers(w.kind, w.n_all), floats(w.gap, w.n_l)
-    linear, angular = CREEPING * w.length, CREEPING
-    for i in range(w.n_q):
-        speed = abs(s.v[i]) + w.h * abs(s.a[i])
-        if kind[i] == TRANSLATION:
-            linear = max(linear, speed)
-        elif kind[i] == ROTATION:
-            angular = max(angular, speed)
+    rates = floats(w.gap, w.n_l)
+    linear, angular = largest_speeds(w, state_of(w, TRIAL), w.h)
     deflections(w, w.cC, rates)
     released, along = integers(m.released, m.n_released), integers(m.along, m.n_released)
     for i in range(m.n_released):
         if abs(rates[released[i]]) > 0.5 * SLIPS * (linear if along[i] else angular):
             return True
     return False
+
+
+@kernel
+def largest_speeds(w, s, h):
+    """Return the largest speeds [m/s, rad/s] that count in a step of size h, at least CREEPING (contradictions.py)."""
+    kind, linear, angular = integers(w.kind, w.n_all), CREEPING * w.length, CREEPING
+    for i in range(w.n_q):
+        speed = abs(s.v[i]) + h * abs(s.a[i])
+        if kind[i] == TRANSLATION:
+            linear = max(linear, speed)
+        elif kind[i] == ROTATION:
+            angular = max(angular, speed)
+    return linear, angular
 
 
 @kernel
