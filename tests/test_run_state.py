@@ -235,6 +235,12 @@ SAMPLED = {
         ARM.replace(ALSO, ALSO.replace("s:", "s: [0, 1, 0]}\n      twin: {type: hinge, nodes: [e, b], axis:", 1)),
         True,
     ),
+    "late torque": (
+        ARM.replace("loads:", "  late: {type: delay, input: torque, time: 0.7 ms}\n    loads:").replace(
+            "value: torque", "value: late"
+        ),
+        True,
+    ),
     "friction by reactions": (
         ARM.replace(ALSO, ALSO.replace("}", ", friction: {coefficient: 0.1, radius: 0.2, regularization: 0.01}}")),
         False,

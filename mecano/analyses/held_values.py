@@ -37,7 +37,7 @@ def with_held_values(system: "System", state: "State", results: "Results", row: 
 
 def _delayed(p: np.void, m: np.ndarray, value: float, t: float) -> None:
     """Let the input have had this value a delay ago, and nothing be known of it since."""
-    m[delay.COUNT], m[delay.FIRST], m[delay.FIRST + 1] = 1.0, t - p["time"], value
+    m[delay.COUNT], m[delay.ARRIVAL], m[delay.FIRST], m[delay.FIRST + 1] = 1.0, delay.NEVER, t - p["time"], value
 
 
 def _sampled(p: np.void, m: np.ndarray, value: float, t: float) -> None:

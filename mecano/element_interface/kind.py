@@ -252,8 +252,8 @@ class Events:
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
     sampling_times: Callable = nothing
     """as ``times``: those at which the memory takes new values, and nothing else jumps"""
-    arrivals: Callable = nothing
-    """(record, memory) -> [time]: further such times, which follow from the memory, as those of jumps that are late"""
+    arrival: str = ""
+    """name of the value of the memory that is the next such time, such as that at which a late jump arrives"""
 
 
 @immutable(kw_only=True)

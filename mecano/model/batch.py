@@ -108,6 +108,13 @@ class Batch:
         """Return whether the memories follow jumps of inputs."""
         return self.kind.follows_jumps
 
+    def places_of_arrivals(self) -> list[int]:
+        """Return the places in the memory of a state at which times stand when steps must end, one for each element."""
+        if not self.kind.arrival:
+            return []
+        own, width = self.kind.memory.index(self.kind.arrival), len(self.kind.memory)
+        return [self.first_memory + i * width + own for i in range(len(self.p))]
+
     def has_signals(self) -> bool:
         """Return whether the elements have equations of signals, or of states."""
         return self.kind.of_signals or len(self.kind.states) > 0

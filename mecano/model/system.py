@@ -61,7 +61,7 @@ class System:
         partition = ReactionPartition(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, partition, self.context.length)
         self.massless = self._scalars(lambda kind: kind.massless)
-        self.batches_with_arrivals = [batch for batch in self.batches if batch.kind.arrivals is not nothing]
+        self.places_of_arrivals = np.array([i for b in self.batches for i in b.places_of_arrivals()], np.int64)
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
         self.states = self.numbering.kind[: self.n_q] == STATE
         self._state_dofs = np.flatnonzero(self.states)
@@ -366,14 +366,8 @@ class System:
         return self._committed(s, Batch.follows_jumps) if any(map(Batch.follows_jumps, self.batches)) else s.memory
 
     def arrivals(self, memory: np.ndarray) -> list[float]:
-        """Return the times [s] at which steps must end that follow from the ``memory``."""
-        found: list[float] = []
-        for batch in self.batches_with_arrivals:
-            width = len(batch.kind.memory)
-            own = memory[batch.first_memory :][: width * len(batch.p)].reshape(-1, width)
-            for p, m in zip(batch.p, own, strict=True):
-                found += batch.kind.arrivals(p, m)
-        return found
+        """Return the next times [s] at which steps must end that follow from the ``memory``, or such far off."""
+        return memory[self.places_of_arrivals].tolist() if self.places_of_arrivals.size else []
 
     def _committed(self, s, chosen):
         memory = s.memory.copy()

@@ -8,14 +8,11 @@ that do not overshoot. In a step longer than the delay, the value at its end is 
 steps end where a jump arrives, as that of a 'switch', of a 'sample_and_hold' or of a law of time.
 """
 
-import math
-
-import numpy as np
-
 from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
+from mecano.maths.neighbours import predecessor, successor
 from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
@@ -26,6 +23,8 @@ SAME_TIME = 1e-12  # of the time: the same, as no step is made between times tha
 UNCHANGED = 1e-12  # relative change that is no jump
 STEEPEST = 3.0  # slope of a monotone cubic over the smallest adjacent mean slope (Fritsch & Carlson 1980)
 COUNT, FIRST = 0, 1  # in the memory: number of pairs (t, u); first of the pairs, which are newest first
+ARRIVAL = FIRST + 2 * MOST  # in the memory: time at which the next jump of the input that is kept reaches the value
+NEVER = 1e300  # s
 
 
 @kernel
@@ -106,12 +105,18 @@ def _limited(slope, mean, beside):
 
 @kernel
 def commit(p, at, m_out):
-    """Store the pair of this step; it replaces the last one if that is too close to the one before it."""
+    """Store the pair of this step, which replaces the last one if that is too close to the one before it."""
     count, u, instant = int(at.m[COUNT]), at.q[U], _instant(p.time, at.t)
     jumps = count > 0 and at.t - at.m[FIRST] <= instant
-    if jumps and abs(u - at.m[FIRST + 1]) <= UNCHANGED * abs(u):
-        return
-    apart = at.m[FIRST] - at.m[FIRST + 2]
+    if not (jumps and abs(u - at.m[FIRST + 1]) <= UNCHANGED * abs(u)):
+        _keep(p, at, m_out, count, jumps, instant)
+    m_out[ARRIVAL] = _next_arrival(p, m_out, at.t)
+
+
+@kernel
+def _keep(p, at, m_out, count, jumps, instant):
+    """Store the pair of this step, newest first."""
+    u, apart = at.q[U], at.m[FIRST] - at.m[FIRST + 2]
     if jumps or count < 2 or apart >= p.time / KEPT or apart <= instant:
         for i in range(min(count, MOST - 1)):
             m_out[FIRST + 2 * i + 2], m_out[FIRST + 2 * i + 3] = at.m[FIRST + 2 * i], at.m[FIRST + 2 * i + 1]
@@ -119,21 +124,26 @@ def commit(p, at, m_out):
     m_out[FIRST], m_out[FIRST + 1] = at.t, u
 
 
-def arrivals(p, m):
-    """Return the times [s] at which the jumps of the input that are kept reach the value."""
-    n = int(m[COUNT])
-    times = m[FIRST : FIRST + 2 * n : 2]  # newest first
-    before = times[1:][times[:-1] - times[1:] <= np.maximum(INSTANT * p["time"], SAME_TIME * np.abs(times[1:]))]
-    return [_arrival(float(t), float(p["time"])) for t in before]
+@kernel
+def _next_arrival(p, m, now):
+    """Return the first time behind ``now`` at which a jump of the input that is kept reaches the value, or NEVER."""
+    for i in range(int(m[COUNT]) - 2, -1, -1):
+        before = m[FIRST + 2 * i + 2]
+        if m[FIRST + 2 * i] - before <= _instant(p.time, before):
+            arrival = _arrival(before, p.time)
+            if arrival > now:
+                return arrival
+    return NEVER
 
 
+@kernel
 def _arrival(t, late):
     """Return the first time that is ``late`` by no less than rounding behind t: the value jumps there, not before."""
     found = t + late
     while found - late < t:
-        found = math.nextafter(found, math.inf)
-    while math.nextafter(found, -math.inf) - late >= t:
-        found = math.nextafter(found, -math.inf)
+        found = successor(found)
+    while predecessor(found) - late >= t:
+        found = predecessor(found)
     return found
 
 
@@ -142,8 +152,9 @@ DELAY = signal_of_input(
     __doc__,
     Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     same_unit_as=lambda d: d["input"],
-    memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value"))),
-    **named(residual, commit, arrivals),
+    memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value")), "arrival"),
+    arrival="arrival",
+    **named(residual, commit),
     follows_jumps=True,
     reads_past=True,
 )

@@ -17,8 +17,6 @@ from mecano.jit.kernel import kernel
 TINY, HUGE = 1e-300, 1e300  # smaller numbers count as zero, larger ones as infinite
 ROUNDING = 16 * 2.2e-16  # relative rounding error of a sum of a few numbers
 NEAR = 1e-12  # a smaller correction may be rounding
-HALF_SPACING = 2.0**-53 * (1.0 + 2.0**-52)  # of a number, above half the distance of the next one
-SMALLEST = 5e-324
 STALLS = 0.3  # it is, if it leaves more than this of the residual
 
 
@@ -42,15 +40,3 @@ def at_rounding(correction, reduction, fresh, reach, least):
     return correction * min(reduction, 1.0) <= least * reach or (
         fresh and reduction > STALLS and correction <= NEAR * reach
     )
-
-
-@kernel
-def successor(x):
-    """Return the next larger number, of x = 0 or beyond 1e-290 in magnitude (Rump et al. 2009, BIT 49, 419-431)."""
-    return x + (abs(x) * HALF_SPACING + SMALLEST)
-
-
-@kernel
-def predecessor(x):
-    """Return the next smaller number, as ``successor``."""
-    return x - (abs(x) * HALF_SPACING + SMALLEST)

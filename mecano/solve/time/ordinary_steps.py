@@ -69,6 +69,8 @@ class OrdinarySteps:
         from mecano.solve.time.sampled_restart import restart_at_sample  # few runs sample signals
 
         self._samples, self._corners = np.array(samples), corners
+        places = self.method.system.places_of_arrivals
+        self.arrays.point_to(n_arrivals=len(places), arrivals=places)
         self._at_sample = restart_at_sample.call_from_compiled_code(r, restarting.record, w.record, self.arrays.output)
         r["at_sample"], r["at_sample_words"] = self._at_sample.function, self._at_sample.words.ctypes.data
         r["longest_restart"] = longest_restart
@@ -79,7 +81,7 @@ class OrdinarySteps:
 
         The trial is a step from the returned run, still to be accepted or rejected, or None.
         """
-        first = stop if self._samples is None else self._first_of(self._samples, run.motion.t, stop)
+        first = stop if self._samples is None else self._first_restart(self._samples, run.motion, stop)
         if stop - run.motion.t < STRETCH * run.h or first - run.motion.t <= SHORT * run.h:
             return run, None, True
         if self.workspace.held is not run:
@@ -94,7 +96,7 @@ class OrdinarySteps:
         if code == DECIDE:
             return run, self._trial(run), True
         if code == ENOUGH and self._samples is not None:
-            stop = self._first_of(self._samples, run.motion.t, stop)
+            stop = self._first_restart(self._samples, run.motion, stop)
         return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
     def _make_steps(self):
@@ -109,10 +111,11 @@ class OrdinarySteps:
             self.linear.solved(w.state(RENEWED, self._phases))
         return code
 
-    def _first_of(self, samples, t, stop):
-        """Return the first of the sampling times behind t [s], or ``stop`` if that is earlier."""
-        i = bisect_right(samples, t)
-        return min(stop, samples[i]) if i < len(samples) else stop
+    def _first_restart(self, samples, s, stop):
+        """Return the first time behind ``s`` [s] at which compiled code restarts, or ``stop`` if that is earlier."""
+        i = bisect_right(samples, s.t)
+        times = *samples[i : i + 1], *self.method.system.arrivals(s.memory)
+        return min([stop, *(t for t in times if t > s.t)])
 
     def _enter_samples(self, samples, t, stop):
         """Enter the sampling times between t and ``stop`` [s]."""

@@ -11,7 +11,9 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
+from mecano.model.batch import Batch
 from mecano.model.loop_records import Pointers, fields
+from mecano.model.loops import commit
 from mecano.model.numbering import SCALAR, SIGNAL
 from mecano.model.state import Instant
 from mecano.solve.linear.newton import CONVERGED
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 RESTART = fields(
     floats="h",
     words="done mass signals n_soft soft along displacement still change_step change_step_words restart restart_words",
+    loops="jump",
 )
 
 
@@ -156,6 +159,7 @@ class Restart(Pointers):
             mass=self.mass.record, signals=signals.record, change_step=change_step.function,
             change_step_words=change_step.words, displacement=np.zeros(n_all), still=np.zeros(n_all),
         )  # fmt: skip
+        self.point_to_loops(jump=system.loops(commit, Batch.follows_jumps))
         call = restart.call_from_compiled_code(self.record, method.workspace.record)
         self.point_to(restart=call.function, restart_words=call.words)
         self._by_multipliers = bool(len(system.coupled_multipliers) or len(system.sensed_multipliers))

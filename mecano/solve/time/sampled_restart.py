@@ -3,8 +3,9 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats
-from mecano.model.assembly_driver import assemble_residual, observe, observe_loops, residual_loops
-from mecano.solve.linear.rounding import successor
+from mecano.maths.neighbours import successor
+from mecano.model.assembly_driver import assemble_residual, commit, loops_at, observe, observe_loops, residual_loops
+from mecano.model.state import Instant
 from mecano.solve.time.output import OUTPUT, begin_row
 from mecano.solve.time.restart import RESTART
 from mecano.solve.time.step_control import first_size
@@ -36,12 +37,14 @@ def restart_at_sample(
     t = time_of(w, BEGIN)
     t[0] = successor(t[0])
     m.planned = min(m.planned, m.longest_restart)
-    stop, jumps = next_stop(m, t[0])
+    stop, jumps = next_stop(m, w, t[0])
     r.h = first_size(t[0], m.planned, stop, jumps)
     call(r.restart, r.restart_words, 0)
     m.restarted = 1 if r.done and not some_due(m, w) else 0
     if m.restarted:
         m.renewed_tangents += 1
+        if r.n_jump_loops:
+            follow_jumps(r, w)
         take_restart(m, w)
         if m.records:
             begin_row(output[0], w)
@@ -61,6 +64,14 @@ def some_due(m, w):
         if values[i] > 0.0:
             return True
     return False
+
+
+@kernel
+def follow_jumps(r, w):
+    """Commit the memories that follow jumps; those before are at BETWEEN."""
+    s = state_of(w, BEGIN)
+    before = Instant(s.t, s.z, s.v, s.a, s.R, s.phases, state_of(w, BETWEEN).memory)
+    commit(loops_at(r.n_jump_loops, r.jump_loops, r.jump_batches), system_of(w), before, s.memory)
 
 
 @kernel

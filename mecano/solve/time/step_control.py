@@ -5,7 +5,7 @@ from typing import Self
 
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
-from mecano.solve.linear.rounding import predecessor
+from mecano.maths.neighbours import predecessor
 
 SAFETY = 0.9
 GROWTH = 2.0

@@ -9,6 +9,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
+from mecano.maths.neighbours import successor
 from mecano.model.assembly_driver import commit, event_values, loops_at, observe, observe_loops
 from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION
@@ -16,7 +17,6 @@ from mecano.model.state import Instant
 from mecano.solve.events.events import some_happened
 from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, heads_for_zero, may_pass, may_peak
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
-from mecano.solve.linear.rounding import successor
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
@@ -59,11 +59,13 @@ READY, STEPPING, RECORDING, SAMPLING = range(4)  # phases of a step
 STRIDE = fields(
     floats="until stop tolerance duration minimum maximum turn planned longest_restart dissipated given "
     "power_dissipated power_given",
-    words="phase jumps_at_end n_samples samples next_sample samples_now at_sample at_sample_words restarted "
+    words="phase jumps_at_end n_samples samples next_sample restarts_at_stop restarts_now "
+    "at_sample at_sample_words restarted "
     "steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events before_values n_departing departing "
     "n_brief brief n_conditions conditions "
+    "n_arrivals arrivals "
     "checks_gaps share_of_gap n_released released along change_step change_step_words observation",
     loops="event observe commit",
 )
@@ -114,9 +116,9 @@ def prepared(m, w):
     if m.done == m.most:
         return ENOUGH
     t, size = time_of(w, BEGIN)[0], m.planned
-    m.stop, jumps = next_stop(m, t)
+    m.stop, jumps = next_stop(m, w, t)
     if m.stop - t < STRETCH * size:
-        if m.next_sample == m.n_samples:
+        if not m.restarts_at_stop:
             return ENOUGH
         size = clipped(t, size, m.stop, jumps)
     if size <= SHORT * m.planned or (size != w.h and not changes(m, w, size)):
@@ -129,14 +131,22 @@ def prepared(m, w):
 
 
 @kernel
-def next_stop(m, t):
-    """Return the next time at which a step must end, and whether forces jump there: a sampling time, or the end."""
-    samples = floats(m.samples, m.n_samples)
+def next_stop(m, w, t):
+    """Return the next time at which a step must end, and whether forces jump there.
+
+    It is that of a sample, or at which a late jump arrives, where compiled code restarts, or the end.
+    """
+    samples, stop, jumps = floats(m.samples, m.n_samples), m.until, m.jumps_at_end
+    m.restarts_at_stop = 0
     while m.next_sample < m.n_samples and samples[m.next_sample] <= t:
         m.next_sample += 1
     if m.next_sample < m.n_samples:
-        return samples[m.next_sample], 1
-    return m.until, m.jumps_at_end
+        stop, jumps, m.restarts_at_stop = samples[m.next_sample], 1, 1
+    arrivals, memory = integers(m.arrivals, m.n_arrivals), state_of(w, BEGIN).memory
+    for i in range(m.n_arrivals):
+        if t < memory[arrivals[i]] < stop:
+            stop, jumps, m.restarts_at_stop = memory[arrivals[i]], 1, 1
+    return stop, jumps
 
 
 @kernel
@@ -276,8 +286,8 @@ def accept(m, w, o, error, share):
     o.forces, o.constraints, o.increment = report[1], report[2], report[3]
     count(m, w, o, iterations, error, share)
     plan(m, w, factor(error, share), share, iterations)
-    m.samples_now = 1 if m.next_sample < m.n_samples and meets(w, m.stop) else 0
-    if m.samples_now:
+    m.restarts_now = 1 if m.restarts_at_stop and meets(w, m.stop) else 0
+    if m.restarts_now:
         time_of(w, TRIAL)[0] = m.stop
     m.phase = RECORDING
     if not m.records:
@@ -355,4 +365,4 @@ def move_on(m, w):
         m.renewed_tangents += 1
         w.renewed = 0
     w.known, w.has, w.age, w.drift, w.spent = w.next_known, w.next_has, w.next_age, w.next_drift, w.next_spent
-    m.phase = SAMPLING if m.samples_now else READY
+    m.phase = SAMPLING if m.restarts_now else READY

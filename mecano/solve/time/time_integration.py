@@ -193,12 +193,12 @@ class TimeIntegrator:
         self.capture.from_plain(plain["capture"])
 
     def _beyond_samples(self, run, stop, end):
-        """Return the time up to which compiled code may step beyond the sampling time ``stop``, or ``stop`` itself.
+        """Return the time up to which compiled code may step beyond ``stop``, where it restarts, or ``stop`` itself.
 
         The first step after a restart of a model with several contacts is made by ``ordinary``.
         """
         one_by_one = self.observers or len(self.shocks.impact_candidates.opening) > 1
-        if one_by_one or self.system.batches_with_arrivals or not self.method.restarts_in_compiled_code():
+        if one_by_one or not self.method.restarts_in_compiled_code():
             return stop
         i = bisect_right(self._others, run.motion.t)
         return min(self._others[i], end) if i < len(self._others) else end
@@ -206,11 +206,12 @@ class TimeIntegrator:
     def _steps_towards(self, run, stop, end):
         """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary.
 
-        Compiled code may pass sampling times, up to ``end``.
+        Compiled code may pass times of samples, and at which late jumps arrive, up to ``end``.
         """
         self._before = run
         self.pause(run)
-        until = self._beyond_samples(run, stop, end) if stop in self._is_sample else stop
+        restarts = self.samples and (stop in self._is_sample or stop in self.system.arrivals(run.motion.memory))
+        until = self._beyond_samples(run, stop, end) if restarts else stop
         run, trial, decide = self.ordinary(run, until)
         self._before = run
         if decide and run.motion.t >= stop:
