@@ -190,21 +190,17 @@ def limit_warnings(
     ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
     ``where`` is the text of a time, or of a load factor.
     """
-    below = -extremes.low > extremes.high
-    worst = np.where(below, extremes.low, extremes.high)
-    when = np.where(below, extremes.low_time, extremes.high_time)
     alike: dict[tuple[str, str, str], list[tuple[float, float, str, str]]] = {}  # value, time, element, output
 
-    def collect(what, values, times, beyond):
-        for name, d, output, column, limit, text in watched_outputs(deck.values, sampler, what):
-            i = column if places is None else np.searchsorted(places, column)
-            if beyond(values[i], limit):
-                key = d["type"], output.partition(".")[0], text
-                alike.setdefault(key, []).append((values[i], times[i], name, output))
-
-    collect("limits", worst, when, lambda value, limit: abs(value) > limit)
-    collect("upper_limits", extremes.high, extremes.high_time, lambda value, limit: value > limit)
-    collect("lower_limits", extremes.low, extremes.low_time, lambda value, limit: value < limit)
+    watched = [one for what in ("limits", "bounds") for one in watched_outputs(deck.values, sampler, what)]
+    for name, d, output, column, limit, text in watched:
+        i = column if places is None else np.searchsorted(places, column)
+        low, high = limit if isinstance(limit, tuple) else (-limit, limit)
+        beyond = [(extremes.high[i], extremes.high_time[i])] if extremes.high[i] > high else []
+        beyond += [(extremes.low[i], extremes.low_time[i])] if extremes.low[i] < low else []
+        if beyond:
+            key = d["type"], output.partition(".")[0], text
+            alike.setdefault(key, []).append((*max(beyond, key=lambda end: abs(end[0])), name, output))
     return [_beyond_limit(kind, found, text, where) for (kind, _, text), found in alike.items()]
 
 

@@ -123,10 +123,8 @@ class DeckEntry:
     """deck values -> [motion]: laws or formulas of time that a joint prescribes, if it does nothing else"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
-    upper_limits: Callable = nothing
-    """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
-    lower_limits: Callable = nothing
-    """deck values -> [(output, value, text)]: a warning with the text when the output falls below the value in a run"""
+    bounds: Callable = nothing
+    """deck values -> [(output, (low, high), text)]: a warning with the text when the output leaves them"""
     end_conditions: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
     strains: tuple[float, ...] = ()

@@ -63,15 +63,15 @@ def held_beyond(law):
     return max((low for low, _ in ends), default=-np.inf), min((high for _, high in ends), default=np.inf)
 
 
-def table_limits(output, law, what, zero=0.0):
-    """Return ``upper_limits`` and ``lower_limits`` of a Kind: where tables of the ``law`` of an output hold its value.
+def table_bounds(output, law, what, zero=0.0):
+    """Return ``bounds`` of a Kind: where tables of the ``law`` of an output hold its value.
 
     ``what`` names the value of the law in the texts; ``zero`` is the output at the argument zero of the law.
     """
     text = f"a table of {what} ends at {{:g}} and holds its last value beyond: add points, or 'beyond: extend'"
     low, high = (end + zero for end in held_beyond(law))
-    upper, lower = ([(output, end, text.format(end))] if np.isfinite(end) else [] for end in (high, low))
-    return upper, lower
+    ranges = {high: (-np.inf, high), low: (low, np.inf)}
+    return [(output, ranges[end], text.format(end)) for end in ranges if np.isfinite(end)]
 
 
 def jumps(law, s):

@@ -1,7 +1,7 @@
 """Monitoring of outputs during a run: limits with a warning, and ends of the range of an element."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from mecano.model.sampler import Sampler
 
-Watched: TypeAlias = "tuple[str, Values, str, int, float, str]"
-"""Name and deck values of an element, its output, the column of that in the row, the limit, the text beyond it"""
+Watched: TypeAlias = "tuple[str, Values, str, int, Any, str]"
+"""Name and deck values of an element, its output, its column in the row, the limit or bounds, the text beyond"""
 
 
 def has_end_conditions(values: Values) -> bool:
@@ -25,7 +25,7 @@ def has_end_conditions(values: Values) -> bool:
 def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
     """Return the monitored outputs of the elements with the deck values ``values``.
 
-    ``what`` is "limits", "upper_limits", "lower_limits" or "end_conditions". The result is a list of (name of the
+    ``what`` is "limits", "bounds" or "end_conditions". The result is a list of (name of the
     element, or of each element of a divided member; deck values, output, its column in the row, value, text), one for
     each component of a vector.
     """

@@ -13,7 +13,7 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import table_limits
+from mecano.laws.probe import table_bounds
 from mecano.laws.table import evaluate_curve, law_force, potential, terms_of
 from mecano.maths.dual import value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
@@ -39,23 +39,13 @@ COORDINATES = (TURNING_FIELDS, "angle", "the moment"), (SLIDING_FIELDS, "displac
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
 
 
-def upper_limits(d):
-    """Return where a table of a law of a joint ends, as ``Kind.upper_limits``."""
-    return [limit for upper, _ in _table_limits(d) for limit in upper]
-
-
-def lower_limits(d):
-    """Return where a table of a law of a joint begins, as ``Kind.lower_limits``."""
-    return [limit for _, lower in _table_limits(d) for limit in lower]
-
-
-def _table_limits(d):
-    """Yield the ends of the tables of laws with a constant set point."""
+def bounds(d):
+    """Yield the ends of the tables of laws of a joint with a constant set point, as ``Kind.bounds``."""
     for (law, set_point), output, what in COORDINATES:
         moved = d.get(set_point.name)
         if d.get(law.name) is None or is_formula(moved) or any(term != "constant" for term, _ in terms_of(moved)):
             continue
-        yield table_limits(output, d[law.name], what, sum(values["value"] for _, values in terms_of(moved)))
+        yield from table_bounds(output, d[law.name], what, sum(values["value"] for _, values in terms_of(moved)))
 
 
 @kernel

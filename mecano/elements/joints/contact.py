@@ -26,6 +26,7 @@ With ``activate`` a contact has no force before, with ``release`` none after it.
 is activated begins to act where it no longer does, whether or not the condition still holds there.
 """
 
+import math
 from dataclasses import replace
 
 from mecano.constraints.activation import with_activation
@@ -49,7 +50,7 @@ from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, named, record
-from mecano.laws.probe import curve_at, table_limits
+from mecano.laws.probe import curve_at, table_bounds
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
 MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
@@ -115,10 +116,10 @@ def check(d, nodes):
     return texts + check_friction(d)
 
 
-def lower_limits(d):
+def bounds(d):
     """Return the gap at which a table of the law ends."""
-    upper, _ = table_limits("gap", d["law"], "the force")
-    return [(output, -depth, text) for output, depth, text in upper]
+    found = table_bounds("gap", d["law"], "the force")
+    return [(gap, (-depth, math.inf), text) for gap, (_, depth), text in found if depth < math.inf]
 
 
 def _shapes_of_b(d):
@@ -175,7 +176,7 @@ _ALWAYS_ACTIVE = Kind(
     phases=PHASES,
     events=(CLOSES, OPENS),
     memory=("held",),
-    **named(prepare, variant, check, lower_limits),
+    **named(prepare, variant, check, bounds),
     sample=samples,
     **rigid(BALL),
     **observed_rigid(BALL),

@@ -12,7 +12,7 @@ from itertools import chain
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.law import lower_limits, upper_limits
+from mecano.constraints.along_coordinate.law import bounds
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.joint_nodes import NODES, check_axis_1
 from mecano.constraints.pair import (
@@ -129,7 +129,7 @@ def rigid_pair(name, doc, pair, sample=None):
         measures={output: measured(of) for o in outputs for output, of in o.measures.items()},
         prepare=pair.place, parts=pair.parts, check=check, observe=pair.observe(pair.reactions.put),
         admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, holds=pair.holds,
-        sample=sample, upper_limits=upper_limits, lower_limits=lower_limits,
+        sample=sample, bounds=bounds,
     )  # fmt: skip
 
 

@@ -255,10 +255,10 @@ OUTPUTS = (
 )
 
 
-def upper_limits(d):
+def bounds(d):
     """Return the tension that stretches a line by half of its length, as it does none but rubber."""
     text = f"that strains it by more than {100.0 * STRETCHED:g} %, as only rubber: are stiffness and loads in SI units?"
-    return [("tension", STRETCHED * axial_stiffness(d), text)]
+    return [("tension", (-np.inf, STRETCHED * axial_stiffness(d)), text)]
 
 
 def _of_length(kind, functions):
@@ -277,7 +277,7 @@ _BAR = Kind(
     outputs=OUTPUTS,
     prepare=line_record,
     check=check,
-    upper_limits=upper_limits,
+    bounds=bounds,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     inertia=line_inertia,
     measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},

@@ -261,11 +261,11 @@ def _beyond(oil, length):
     return [f"an orifice is given up to a stroke of {last:g} m, of a strut {length:.3g} m long; is it in mm?"]
 
 
-def lower_limits(d):
+def bounds(d):
     """Return the limit of the oil pressure, at which the oil cavitates."""
     chamber = "the recoil chamber needs" if d["oil"]["recoil_area"] else "without 'oil.recoil_area' the rebound needs"
     text = f"below zero the oil cavitates, which is not modelled: {chamber} a larger 'oil.rebound_orifice'"
-    return [("oil_pressure", 0.0, text)]
+    return [("oil_pressure", (0.0, np.inf), text)]
 
 
 def sample(rng):
@@ -358,7 +358,7 @@ OLEO = Kind(
     ),
     phases=PHASES,
     events=EVENTS,
-    **named(prepare, check, start_warnings, lower_limits, residual, observe, event_values, sample),
+    **named(prepare, check, start_warnings, bounds, residual, observe, event_values, sample),
     measures={
         "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
         "extension": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}, extended(d, nodes)),

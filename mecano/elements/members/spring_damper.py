@@ -22,7 +22,7 @@ from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import curve_at, table_limits
+from mecano.laws.probe import curve_at, table_bounds
 from mecano.laws.table import law_force
 from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 
@@ -72,16 +72,6 @@ def check(d, nodes):
         return texts
     error = not_negative(curve_at(natural, 0.0)[0])
     return [*texts, f"'natural_length' {error} at t = 0"] if error else texts
-
-
-def upper_limits(d):
-    """Return the extension at which a table of the law ends."""
-    return table_limits("extension", d["law"], "the force")[0]
-
-
-def lower_limits(d):
-    """Return the extension at which a table of the law begins."""
-    return table_limits("extension", d["law"], "the force")[1]
 
 
 def sample(rng):
@@ -138,10 +128,9 @@ def _spring(functions):
         phases=PHASES,
         events=EVENTS,
         strains=(-0.5, 0.5),
-        **named(prepare, check, upper_limits, lower_limits, sample),
-        measures={
-            "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
-        },
+        **named(prepare, check, sample),
+        bounds=lambda d: table_bounds("extension", d["law"], "the force"),
+        measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},
     )  # fmt: skip
     return with_release(on_demand(kind, functions, "natural_length", 6, set_point_of_law, with_rate), "spring", (3,))
 

@@ -14,7 +14,7 @@ from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import elastic_energy, elastic_force
-from mecano.laws.probe import table_limits
+from mecano.laws.probe import table_bounds
 from mecano.maths.dual import at_least, select, value
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, norm
@@ -112,7 +112,8 @@ def range_of_law(d):
     """Return the ``limits`` of a wheel: the range of its radial law, or where a table of it ends."""
     valid = d["tire_law"]["valid_deformation"]
     if valid is None:
-        return table_limits("deformation", d["tire_law"]["radial"], "the radial force")[0]
+        found = table_bounds("deformation", d["tire_law"]["radial"], "the radial force")
+        return [(output, high, text) for output, (_, high), text in found if high < np.inf]
     return [("deformation", valid, f"the radial law is valid up to {valid:g} m only")]
 
 
