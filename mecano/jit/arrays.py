@@ -11,7 +11,7 @@ from numba.np.numpy_support import from_dtype
 from mecano.jit import memory
 from mecano.jit.aggregates import WORD, array_at
 from mecano.jit.array_object import DATA, SHAPE
-from mecano.jit.lanes import Lanes, lanes_record
+from mecano.jit.lanes import DUAL, Lanes, lanes_record
 
 
 def _load(builder, address, llvm_type=WORD):
@@ -28,9 +28,9 @@ def _type_of_array(item, shape, aligned=True):
     return types.Array(item, len(shape) if isinstance(shape, types.BaseTuple) else 1, "C", aligned=aligned)
 
 
-def _register_arrays(function, item):
+def _register_arrays(function, item, aligned=True):
     """Register a function of memory.py that returns an array of items of one type."""
-    type_callable(function)(lambda context: lambda address, shape: _type_of_array(item, shape))
+    type_callable(function)(lambda context: lambda address, shape: _type_of_array(item, shape, aligned))
     lower_builtin(function, types.Any, types.Any)(_generate_array)
 
 
@@ -46,10 +46,10 @@ def _generate_array(context, builder, signature, arguments):
 
 _register_arrays(memory.floats, types.float64)
 _register_arrays(memory.integers, types.int64)
+_register_arrays(memory.lanes, Lanes, aligned=False)
+_register_arrays(memory.duals, DUAL, aligned=False)
 type_callable(memory.items)(lambda context: lambda address, shape, dtype: _type_of_array(dtype.dtype, shape))
 lower_builtin(memory.items, types.Any, types.Any, types.Any)(_generate_array)
-type_callable(memory.lanes)(lambda context: lambda address, shape: _type_of_array(Lanes, shape, aligned=False))
-lower_builtin(memory.lanes, types.Any, types.Any)(_generate_array)
 type_callable(memory.lanes_items)(
     lambda context: lambda address, shape, dtype: _type_of_array(lanes_record(dtype.dtype.dtype), shape, aligned=False)
 )

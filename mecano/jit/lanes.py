@@ -47,6 +47,10 @@ class _LanesRecord(types.Record):
 
 
 Lanes, Mask = _Lanes("Lanes"), _Mask("Mask")
+DUAL = _LanesRecord(
+    [("value", {"type": types.float64, "offset": 0}), ("slope", {"type": Lanes, "offset": 8})], 8 * (1 + LANES), False
+)
+"""The type of a stored Dual with a slope along each of LANES directions."""
 
 
 @register_model(_Lanes)

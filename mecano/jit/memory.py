@@ -28,6 +28,11 @@ def lanes(address, shape):
     raise RuntimeError("available in compiled code only")
 
 
+def duals(address, shape):
+    """Return the array of this shape (a number or a tuple) of Duals with LANES slopes each at ``address``."""
+    raise RuntimeError("available in compiled code only")
+
+
 def lanes_items(address, shape, dtype):
     """Return the array of this shape of records of LANES elements each at ``address``, for the ``dtype`` of one."""
     raise RuntimeError("available in compiled code only")

@@ -12,8 +12,8 @@ from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, inf
 from numba.extending import overload
 
 from mecano.jit import methods, symbols
-from mecano.jit.lanes import Lanes, Mask
-from mecano.jit.symbols import Condition, Symbol, any_many, is_number, value_of
+from mecano.jit.lanes import ALIGNMENT, Lanes, Mask
+from mecano.jit.symbols import NUMBER, NUMBERS, Condition, Symbol, any_many, is_number, value_of
 
 NUMERIC = (types.Number, types.Boolean, type(Lanes), type(Mask))
 
@@ -156,12 +156,15 @@ def _symbolic(context, builder, of, value):
     if cls is float:
         return Symbol(builder, context.cast(builder, value, of, types.float64))
     if isinstance(of, types.Record):
-        places = [
-            cgutils.get_record_member(builder, value, of.offset(name), cgutils.ir.DoubleType()) for name in of.fields
-        ]
-        return cls(*(Symbol(builder, builder.load(place)) for place in places))
+        return cls(*(Symbol(builder, _loaded(builder, of, value, name)) for name in of.fields))
     parts = cgutils.unpack_tuple(builder, value, len(of))
     return cls(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
+
+
+def _loaded(builder, of, record, name):
+    """Return the number, or the numbers of LANES elements, of a field of a record."""
+    number = NUMBERS if of.typeof(name) is Lanes else NUMBER
+    return builder.load(cgutils.get_record_member(builder, record, of.offset(name), number), align=ALIGNMENT)
 
 
 def _instructions(context, builder, of, value):

@@ -123,10 +123,10 @@ def splat(builder, value):
 
 
 def primitive(function, arguments):
-    """Return a Generic applied to Symbols: a C function, a function of conditions, or its own code."""
+    """Return a Generic applied to Symbols: a C function, one of OWN, or its own code."""
     name = function.__name__
-    if name in CHOICES:
-        return CHOICES[name](*arguments)
+    if name in OWN:
+        return OWN[name](*arguments)
     return _call(C_NAMES[name], arguments) if name in C_NAMES else function.__wrapped__(*arguments)
 
 
@@ -158,7 +158,15 @@ def _one_condition(condition, how, bits):
     return Condition(condition.builder, condition.builder.icmp_unsigned(how, found, word(bits)))
 
 
-CHOICES = {"select": _select, "anywhere": _anywhere, "everywhere": _everywhere}  # functions of conditions, by name
+def _constant(a, like):
+    """Return the number ``a``, for LANES elements if ``like`` is a number of these."""
+    if not any_many([like]):
+        return a
+    return Symbol(None, many=True) if like.builder is None else Symbol(like.builder, splat(like.builder, value_of(a)))
+
+
+OWN = {"select": _select, "anywhere": _anywhere, "everywhere": _everywhere, "constant": _constant}
+"""Functions that need more than their own code on Symbols, by name."""
 
 
 def _call(name, arguments):

@@ -1,7 +1,7 @@
 r"""Dual numbers :math:`a + \dot a\, \epsilon`, :math:`\epsilon^2 = 0`: a value and its derivative along a direction.
 
-Computing with them instead of numbers gives exact derivatives by the chain rule. The slope is a number, or a Vector of
-the derivatives along three directions.
+Computing with them instead of numbers gives exact derivatives by the chain rule. The slope is a number, or several
+numbers, the derivatives along as many directions: Lanes in compiled code (jit/lanes.py), an array in Python.
 """
 
 import math
@@ -250,7 +250,7 @@ def constant(a, like):
 
 @method(constant, NUMBER, Dual)
 def _(a, like):
-    return Dual(a, 0.0)
+    return Dual(a, constant(0.0, like.slope))
 
 
 @Generic

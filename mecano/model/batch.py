@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.jit.memory import LANES, lanes_dtype
-from mecano.maths.dual import DUAL
 from mecano.model.loop_records import BATCH, record
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ class Batch:
         self.q, self.v, self.a = (np.zeros((n_work, lanes)) for _ in range(3))
         self.R = np.zeros((n_rotations, 3, 3, lanes))
         self.f, (self.K, self.C, self.M) = np.zeros((n, lanes)), (np.zeros((n, n, lanes)) for _ in range(3))
-        self.seeded = np.zeros(4 * n + 9 * n_rotations, DUAL)
+        self.seeded = np.zeros((4 * n + 9 * n_rotations, 1 + LANES))
         self.F = np.zeros((self.output_slots.shape[1], lanes))
         self.groups = _of_groups(self.p) if kind.by_lanes else self.p[:0]
         self.n_outputs = sum(output.size for output in kind.outputs)

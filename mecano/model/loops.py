@@ -6,7 +6,7 @@ There is one loop per purpose: a C function of two addresses, those of the batch
 """
 
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call, floats, integers
+from mecano.jit.memory import LANES, call, floats, integers
 from mecano.maths.vector import put, vec
 from mecano.model.gather_scatter import (
     add_energies,
@@ -24,7 +24,7 @@ from mecano.model.gather_scatter import (
 )
 from mecano.model.loop_records import batch_at, system_at
 from mecano.model.seeded_duals import (
-    add_column,
+    add_columns,
     add_dual_force,
     gather_duals,
     gather_motion,
@@ -92,7 +92,7 @@ def tangent(batch, system):
 def dual_tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent (as ``tangent``) of a kind with a residual only.
 
-    One pass per local unknown j gives column j. If no columns are requested, one pass gives the forces alone.
+    One pass for LANES local unknowns gives their columns. If no columns are requested, one gives the forces alone.
     """
     b, s = batch_at(batch), system_at(system)
     lag = lag_of(b, s)
@@ -101,10 +101,10 @@ def dual_tangent(batch, system):
         if is_idle(b, s):
             continue
         gather_duals(b, s)
-        for j in range(b.n_local if s.columns else 1):
-            seed(b, s, j)
+        for first in range(0, b.n_local if s.columns else 1, LANES):
+            seed(b, s, first)
             call(b.function, batch, system)
-            add_column(b, s, j, lag)
+            add_columns(b, s, first, lag)
         add_dual_force(b, s, lag)
         if b.inertia != 0 and s.columns:
             floats(b.f, b.n_local)[:] = 0.0
