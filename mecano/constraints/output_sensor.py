@@ -33,7 +33,7 @@ def output_sensor(kind, n_multipliers):
 
     @kernel
     def residual(p, at, f):
-        y = allocate_items(n_outputs + ENERGIES + n_forces, f)
+        y = allocate_items((n_outputs + ENERGIES + n_forces,), f)
         observe(p, at, y[n_outputs + ENERGIES :], y, y[n_outputs:])
         f[row] += number(at.q[row]) - number(y[p.sensed])
         free(y)

@@ -114,31 +114,22 @@ _calloc = types.ExternalFunction("calloc", types.int64(types.uintp, types.uintp)
 _free = types.ExternalFunction("free", types.void(types.uintp))
 
 
-@overload(memory.allocate_zeros)
-def _allocate_zeros(shape):
-    def allocate(shape):
-        n = 1
-        for size in shape:
-            n *= size
-        return memory.floats(_calloc(n, 8), shape)
-
-    return allocate
-
-
 @intrinsic
-def _array_like(typing_context, address, n, like):
-    of = types.Array(like.dtype, 1, "C")
-
-    def generate(context, builder, signature, arguments):
-        return _array(context, builder, of, arguments[0], [arguments[1]])
-
-    return of(types.int64, types.int64, like), generate
+def _array_like(typing_context, address, shape, like):
+    return _type_of_array(like.dtype, shape)(types.int64, shape, like), _generate_array
 
 
 @overload(memory.allocate_items)
-def _allocate_items(n, like):
+def _allocate_items(shape, like):
     size = like.dtype.size if isinstance(like.dtype, types.Record) else 8
-    return lambda n, like: _array_like(_calloc(n, size), n, like)
+
+    def allocate(shape, like):
+        n = 1
+        for length in shape:
+            n *= length
+        return _array_like(_calloc(n, size), shape, like)
+
+    return allocate
 
 
 @overload(memory.free)

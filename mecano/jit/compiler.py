@@ -25,7 +25,7 @@ from mecano.jit.digest import digest
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
 from mecano.jit.named_tuple import classes, gathered
-from mecano.jit.null_matrix import NullMatrix, wanted
+from mecano.jit.null_matrix import NullMatrix
 from mecano.jit.numba_methods import register_methods
 from mecano.jit.passes import KernelCompiler
 from mecano.jit.shortcuts import shortcuts
@@ -204,8 +204,3 @@ def _discard_write(A, index, value):
 def _zero(A, index):
     discards = _is_null_matrix(A) and isinstance(index, types.BaseTuple)
     return (lambda A, index: 0.0) if discards else None
-
-
-@overload(wanted)
-def _wanted(A):
-    return (lambda A: False) if _is_null_matrix(A) else (lambda A: True)

@@ -69,18 +69,13 @@ def call_for_int(function, argument):
     raise RuntimeError("available in compiled code only")
 
 
-def allocate_zeros(shape):
-    """Return an array of zeros of this shape (a tuple), which must be freed with ``free``."""
-    return np.zeros(shape)
-
-
-def allocate_items(n, like):
-    """Return a vector of n zeros, numbers or Duals as in ``like``, which must be freed with ``free``."""
-    out = np.empty(n, like.dtype)
-    for i in range(n):
-        out[i] = 0.0 * like[0]
+def allocate_items(shape, like):
+    """Return an array of zeros of this shape (a tuple), numbers or Duals as in ``like``, to be freed with ``free``."""
+    out, zero = np.empty(shape, like.dtype), 0.0 * like[(0,) * like.ndim]
+    for index in np.ndindex(shape):
+        out[index] = zero
     return out
 
 
 def free(array):
-    """Free the memory of an array from ``allocate_zeros`` or ``allocate_items``."""
+    """Free the memory of an array from ``allocate_items``."""

@@ -20,8 +20,3 @@ class NullMatrix(NamedTuple):
 
 
 NULL_MATRIX = NullMatrix(0.0)
-
-
-def wanted(A):
-    """Return False for NULL_MATRIX, True for an array; known at compile time, which removes the dead branches."""
-    return not isinstance(A, NullMatrix)

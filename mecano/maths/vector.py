@@ -33,7 +33,6 @@ class Mat3(NamedTuple):
 
 
 ZERO = Vec3(0.0, 0.0, 0.0)
-NO_MATRIX = Mat3(ZERO, ZERO, ZERO)
 EYE = Mat3(Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
 
 

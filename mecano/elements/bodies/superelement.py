@@ -32,12 +32,21 @@ from mecano.elements.bodies.reduced_matrices import (
     problems,
     rigid_motions,
 )
+from mecano.elements.bodies.superelement_centre import first_moment, relative_motion
 from mecano.elements.bodies.superelement_force import add_forces, add_product, state_of
-from mecano.elements.bodies.superelement_frame import MOMENTUM, ROWS, U_RATE, U, V
-from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
+from mecano.elements.bodies.superelement_frame import (
+    MOMENTUM,
+    ROWS,
+    U_RATE,
+    U,
+    V,
+    configuration,
+    frame_spin,
+    mean,
+    put_rates,
+)
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import allocate_zeros, free
-from mecano.jit.null_matrix import wanted
+from mecano.jit.memory import allocate_items, free
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
@@ -63,23 +72,42 @@ MODE_OUTPUTS = (
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add elastic forces, damping, weight and inertia; see element_interface for the arguments."""
-    n = 6 * p.n_nodes + p.n_modes
-    work, turns = allocate_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), allocate_zeros((p.n_nodes, 2, 3, 3))
-    s = state_of(p, at, work, turns)
-    add_forces(p, at.laws, s, f)
-    if wanted(K):
-        add_tangents(p, at.laws, s, K, C, M)
+    work, turns = allocate_items((ROWS, f.shape[0]), f), allocate_items((p.n_nodes, 2, 3, 3), f)
+    add_forces(p, at.laws, state_of(p, at, work, turns), f)
     free(work)
     free(turns)
+
+
+@kernel
+def inertia(p, at, m):
+    """Write the diagonal of the mass matrix: twice the kinetic energies of unit velocities."""
+    n, masses = m.shape[0], p.table + 12 * p.n_nodes + m.shape[0] * (3 + m.shape[0])
+    work, turns, v = allocate_items((ROWS, n), m), allocate_items((p.n_nodes, 2, 3, 3), m), allocate_items((n,), m)
+    R, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    for j in range(n):
+        v[j] = 1.0
+        spin = frame_spin(p, at.laws, v, R, D_inverse, turns)
+        put_rates(p, at.laws, v, v, R, spin, work, turns)
+        velocity = mean(work[V], p.n_nodes) + relative_motion(p, at.laws, spin, moment, work)[2]
+        m[j] = p.mass * dot(velocity, velocity)
+        for i in range(n):
+            if work[V, i] != 0.0:
+                for k in range(n):
+                    m[j] += work[V, i] * at.laws[masses + i * n + k] * work[V, k]
+        v[j] = 0.0
+    free(work)
+    free(turns)
+    free(v)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
-    work, turns, total = allocate_zeros((ROWS, n)), allocate_zeros((p.n_nodes, 2, 3, 3)), allocate_zeros((n,))
+    work, turns, total = allocate_items((ROWS, n), y), allocate_items((p.n_nodes, 2, 3, 3), y), allocate_items((n,), y)
     s = state_of(p, at, work, turns)
     y[0], kinetic, dissipated = _energies(p, at.laws, work)
     about = s.centre_of_mass
@@ -114,7 +142,7 @@ def _energies(p, laws, work):
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
     elastic, kinetic, dissipated = 0.0, 0.0, 0.0
-    scratch = allocate_zeros((2, n))
+    scratch = allocate_items((2, n), work)
     add_product(laws, stiffness, work[U], scratch[0])
     if p.damped > 0:
         add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
@@ -272,7 +300,7 @@ SUPERELEMENT = Kind(
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),
     flexible=True,
-    **named(prepare, check, force, observe, sample, variant, limits),
+    **named(prepare, check, residual, inertia, observe, sample, variant, limits),
     outputs=DECLARED,
     hidden=_hidden(DECLARED),
 )

@@ -45,7 +45,8 @@ from mecano.elements.bodies.superelement_frame import (
     trace_minus_transpose,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import add_vec, cross, mat, vec
+from mecano.maths.dual import number
+from mecano.maths.vector import Vec3, add_vec, cross, mat, vec
 
 
 class State(NamedTuple):
@@ -53,7 +54,6 @@ class State(NamedTuple):
 
     R: tuple  # rotation of the frame
     centre: tuple  # mean of the boundary nodes, inertial [m]
-    D_inverse: tuple
     spin: tuple  # Omega
     load: tuple  # gamma, of weight and of the inertia of the centre of mass
     moment: tuple  # S_0 + B^T u
@@ -69,43 +69,45 @@ def state_of(p, at, work, turns):
     """Return the State; write ``work`` up to the row INERTIA, and ``turns``."""
     R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
     spin = frame_spin(p, at.laws, at.v, R, D_inverse, turns)
-    put_rates(p, at, R, spin, work, turns)
+    put_rates(p, at.laws, at.v, at.a, R, spin, work, turns)
     moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
     about = centre_of(p, at.laws, spin, moment, D_inverse, work, turns)
     load = R.T @ vec(p.gravity, 0) - about.acceleration
-    put_products(p, at.laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
+    put_products(p, at.laws, load, work)
     nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
-    return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, about, work, turns)
+    return State(R, centre, spin, load, moment, mean_force(p, load, work[FORCE]), nu, about, work, turns)
 
 
 @kernel
 def add_product(laws, start, x, out):
-    """Add A x to out, for the symmetric matrix A (n, n) at ``start`` of the table; skips zeros in x."""
-    n = x.shape[0]
-    for j in range(n):
-        s, row = x[j], start + j * n
-        if s != 0.0:
-            for i in range(n):
-                out[i] += s * laws[row + i]
+    """Add A x to out, for the symmetric matrix A (n, n) at ``start`` of the table."""
+    n, zero = x.shape[0], 0.0 * number(x[0])
+    for i in range(0, n - 2, 3):
+        total = Vec3(zero, zero, zero)
+        for j in range(n):
+            total = total + number(x[j]) * vec(laws, start + j * n + i)
+        add_vec(out, i, 1.0, total)
+    for i in range(n - n % 3, n):
+        for j in range(n):
+            out[i] += number(x[j]) * laws[start + i * n + j]
 
 
 @kernel
-def put_products(p, laws, load, work, first, last):
-    """Write coordinate forces, momenta and inertia forces of the rows ``first`` to 3 rows from ``last`` of ``work``."""
+def put_products(p, laws, load, work):
+    """Write coordinate forces, momenta and inertia forces."""
     n = work.shape[1]
     loads = p.table + 12 * p.n_nodes
     stiffness = loads + 3 * n
-    force, momentum, inertia = work[last], work[last + 1], work[last + 2]
     for i in range(n):
         b = vec(laws, loads + 3 * i)
-        force[i] = -(b[0] * load[0] + b[1] * load[1] + b[2] * load[2])
-        momentum[i] = 0.0
-        inertia[i] = 0.0
-    add_product(laws, stiffness, work[first[0]], force)
-    add_product(laws, stiffness + n * n, work[first[2]], momentum)
-    add_product(laws, stiffness + n * n, work[first[3]], inertia)
+        work[FORCE, i] = -(b[0] * load[0] + b[1] * load[1] + b[2] * load[2])
+        work[MOMENTUM, i] = 0.0
+        work[INERTIA, i] = 0.0
+    add_product(laws, stiffness, work[U], work[FORCE])
+    add_product(laws, stiffness + n * n, work[V], work[MOMENTUM])
+    add_product(laws, stiffness + n * n, work[V_RATE], work[INERTIA])
     if p.damped > 0:
-        add_product(laws, stiffness + 2 * n * n, work[first[1]], force)
+        add_product(laws, stiffness + 2 * n * n, work[U_RATE], work[FORCE])
 
 
 @kernel
@@ -167,4 +169,4 @@ def add_forces(p, laws, s, f):
         add_vec(f, 6 * i, 1.0, s.R @ node_force(p, laws, s, i))
         add_vec(f, 6 * i + 3, 1.0, axes(p, laws, i) @ node_moment(p, s, i))
     for j in range(6 * p.n_nodes, f.shape[0]):
-        f[j] += s.work[FORCE, j] + s.work[INERTIA, j]
+        f[j] += number(s.work[FORCE, j]) + number(s.work[INERTIA, j])

@@ -17,17 +17,17 @@ path. Elastic coordinates are :math:`d_i = y_i - X_i`, :math:`\theta_i = \log E_
 """
 
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
-from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, put_matrix, vec
+from mecano.maths.vector import EYE, Mat3, Vec3, cross, dot, mat, outer, put, put_matrix, vec
 
 # Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities and accelerations in the axes of the
 # frame, the rates of these velocities; forces on the coordinates, momenta, inertia forces; second rates of the
-# coordinates; then variations.
-U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA, U_SECOND = range(9)
-DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA, DU_SECOND = range(9, 17)
-ROWS = 17
+# coordinates.
+ROWS = 9
+U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA, U_SECOND = range(ROWS)
 
 
 @kernel
@@ -57,8 +57,8 @@ def axes(p, laws, i):
 @kernel
 def mean(q, n):
     """Return the mean of the translations of n nodes in local unknowns."""
-    total = ZERO
-    for i in range(n):
+    total = vec(q, 0)
+    for i in range(1, n):
         total = total + vec(q, 6 * i)
     return total / n
 
@@ -67,7 +67,7 @@ def mean(q, n):
 def frame(p, laws, q, R):
     """Return the rotation of the frame and the mean of the boundary nodes."""
     n = p.n_nodes
-    centre, B = mean(q, n), NO_MATRIX
+    centre, B = mean(q, n), 0.0 * mat(R[0])
     for i in range(n):
         A_i = mat(R[i]) @ axes(p, laws, i)
         B = B + (outer(vec(q, 6 * i) - centre, place(p, laws, i)) + p.square * A_i)
@@ -79,7 +79,7 @@ def configuration(p, laws, q, R, work, turns):
     """Return frame, mean, D^-1; write elastic coordinates to ``work`` (ROWS, n), E_i and T^-1(theta_i) to ``turns``."""
     n = p.n_nodes
     R_f, centre = frame(p, laws, q, R)
-    H = NO_MATRIX
+    H = 0.0 * R_f
     for i in range(n):
         y, X = R_f.T @ (vec(q, 6 * i) - centre), place(p, laws, i)
         E = R_f.T @ (mat(R[i]) @ axes(p, laws, i))
@@ -91,7 +91,7 @@ def configuration(p, laws, q, R, work, turns):
         put_matrix(turns[i, 1], inverse_tangent(theta, c))
         H = H + (outer(y, X) + p.square * E)
     for j in range(6 * n, work.shape[1]):
-        work[U, j] = q[j]
+        work[U, j] = number(q[j])
     return R_f, centre, inverse(trace_minus(H / n))
 
 
@@ -103,14 +103,14 @@ def trace_minus(H):
 
 @kernel
 def axes_spin(p, laws, v, i):
-    """Return the material angular velocity (or variation) of A_i from that of node i in local unknowns."""
+    """Return the material angular velocity of A_i from that of node i in local unknowns."""
     return axes(p, laws, i).T @ vec(v, 6 * i + 3)
 
 
 @kernel
 def frame_spin(p, laws, v, R_f, D_inverse, turns):
-    """Return the angular velocity (or variation) of the frame in its own axes, for velocities (or variations) ``v``."""
-    total = ZERO
+    """Return the angular velocity of the frame in its own axes, for the velocities ``v``."""
+    total = 0.0 * vec(v, 0)
     for i in range(p.n_nodes):
         r, phi = R_f.T @ vec(v, 6 * i), axes_spin(p, laws, v, i)
         total = total + (cross(place(p, laws, i), r) + p.square * (trace_minus_transpose(mat(turns[i, 0])) @ phi))
@@ -124,23 +124,23 @@ def put_in_frame(p, laws, v, R_f, turns, out):
         put(out, 6 * i, R_f.T @ vec(v, 6 * i))
         put(out, 6 * i + 3, mat(turns[i, 0]) @ axes_spin(p, laws, v, i))
     for j in range(6 * p.n_nodes, out.shape[0]):
-        out[j] = v[j]
+        out[j] = number(v[j])
 
 
 @kernel
-def put_rates(p, at, R_f, spin, work, turns):
+def put_rates(p, laws, v, a, R_f, spin, work, turns):
     """Write velocities, accelerations, rates of the velocities and of the elastic coordinates to ``work``."""
-    n, v, a = p.n_nodes, at.v, at.a
-    put_in_frame(p, at.laws, v, R_f, turns, work[V])
-    put_in_frame(p, at.laws, a, R_f, turns, work[A])
+    n = p.n_nodes
+    put_in_frame(p, laws, v, R_f, turns, work[V])
+    put_in_frame(p, laws, a, R_f, turns, work[A])
     centre = mean(work[V], n)
     for j in range(6 * n, work.shape[1]):
-        work[U_RATE, j] = v[j]
-        work[V_RATE, j] = a[j]
+        work[U_RATE, j] = number(v[j])
+        work[V_RATE, j] = number(a[j])
     for i in range(2 * n):
         put(work[V_RATE], 3 * i, vec(work[A], 3 * i) - cross(spin, vec(work[V], 3 * i)))
     for i in range(n):
-        y = place(p, at.laws, i) + vec(work[U], 6 * i)
+        y = place(p, laws, i) + vec(work[U], 6 * i)
         put(work[U_RATE], 6 * i, vec(work[V], 6 * i) - centre + cross(y, spin))
-        relative = axes_spin(p, at.laws, v, i) - mat(turns[i, 0]).T @ spin
+        relative = axes_spin(p, laws, v, i) - mat(turns[i, 0]).T @ spin
         put(work[U_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
