@@ -70,7 +70,8 @@ class Wheel(NamedTuple):
     axis: tuple
     arm: tuple  # from the centre to the contact, or to the lowest point of the rim [m]
     spin: float  # angular velocity along the axis [rad/s]
-    crown: float  # radius of a rounded tread [m], or 0
+    height: float  # of the centre over the ground, along the normal at the contact [m]
+    crown: float  # radius of the rounded tread of a rigid wheel [m], or 0
 
 
 @kernel
@@ -80,7 +81,7 @@ def put_contact(y, q, push, radius, wheel):
     That of a rounded tread is the one of the middle circle.
     """
     g, (t, l) = wheel.g, directions(wheel.axis, wheel.g)
-    y[0] = g.r * g.q + wheel.crown
+    y[0] = wheel.height
     y[1] = radius + wheel.crown
     put(y, 2, push)
     put(y, 5, push[0] * g.n + (push[1] * t + push[2] * l))

@@ -28,6 +28,7 @@ from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Kind, Output, named, record
+from mecano.elements.wheels.crown import crown_of, touch_crown
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
@@ -58,7 +59,8 @@ class Bound(NamedTuple):
 def bound_of(p, at):
     """Return the Bound: a curve B(u) of the speed u of the wheel, or mu(u) F_r r of its tyre, zero in the air.
 
-    The radial force F_r and the loaded radius r are those of the disc, without the lateral displacement of a patch.
+    The radial force F_r and the loaded radius r are those of the disc, without the lateral displacement of a patch; a
+    rounded tread counts as if its contact were as far from the axle as that of an upright wheel.
     """
     velocity = vec(at.v, POSITION)
     if p.watches == 0.0:
@@ -67,9 +69,12 @@ def bound_of(p, at):
     R = mat(at.R[1])
     axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, SPIN)
     g = touch(p, at.laws, vec(at.q, POSITION), axis)
-    r, u = at_most(g.r, p.radius), speed_over_ground(g.n, velocity)
-    w1 = -dot(g.n, velocity + cross(omega, g.arm)) / g.q
-    pressing = select(g.r < p.radius, radial_force(p, at.laws, p.radius - g.r, w1) * r, 0.0)
+    loaded, w1 = g.r, -dot(g.n, velocity + cross(omega, g.arm)) / g.q
+    if p.crown > 0.0:
+        tread = touch_crown(p, vec(at.q, POSITION), axis)
+        loaded, w1 = tread.r, -dot(tread.n, velocity + cross(omega, tread.arm))
+    r, u = at_most(loaded, p.radius), speed_over_ground(g.n, velocity)
+    pressing = select(loaded < p.radius, radial_force(p, at.laws, p.radius - loaded, w1) * r, 0.0)
     pressing = select(p.bounded == BY_ADHESION, pressing, 1.0)
     slip = _slip_ratio(p, dot(directions(axis, g)[0], velocity), dot(omega, axis) * r)
     return Bound(curve(at.laws, p.bound, u) * pressing, _released(p, slip), slip)
@@ -141,7 +146,8 @@ def prepare(d, nodes, context):
         "watches": float(d["wheel"] is not None),
     }
     if d["wheel"] is not None:
-        values |= prepare_ground(d["wheel"]["ground"], context) | prepare_radial(d["wheel"]["tire_law"], context)
+        values |= prepare_ground(d["wheel"]["ground"], context, crown_of(d["wheel"]))
+        values |= prepare_radial(d["wheel"]["tire_law"], context)
     if d["anti_skid"] is not None:
         given = d["anti_skid"]
         values |= {"slip_start": given["slip"], "slip_width": given["width"], "least_speed": given["least_speed"]}
@@ -196,9 +202,12 @@ def sample(rng):
         for T in (rising, "command")
         for bound, eps in ((falling, 0.1), (None, 0.1), (falling, 50.0))
     ]
-    for height, bounds in ((wave, {"adhesion": falling}), (None, {"bound": falling, "anti_skid": skid}),
-                           (wave, {"adhesion": falling, "anti_skid": skid})):  # fmt: skip
+    for height, bounds, crown in (
+        (wave, {"adhesion": falling}, 0.0), (None, {"bound": falling, "anti_skid": skid}, 0.0),
+        (wave, {"adhesion": falling, "anti_skid": skid}, 0.0), (None, {"adhesion": falling, "anti_skid": skid}, 3.0),
+    ):  # fmt: skip
         wheel = _wheel(rng, height)
+        wheel["tire_law"]["crown_radius"] = crown
         values = {"axis": wheel["axis"], "torque": large, "rate_regularization": 20.0, "wheel": wheel, **bounds}
         cases.append((values | nodes, [(np.zeros(3), np.eye(3)), (np.zeros(3), np.eye(3))], ""))
     return cases

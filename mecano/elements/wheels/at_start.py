@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
-from mecano.constraints.ground import rim_above
 from mecano.constraints.triads import unit
+from mecano.elements.wheels.crown import tread_above
 from mecano.elements.wheels.enveloping import ground_of
 from mecano.laws.probe import curve_at
 
@@ -21,7 +21,7 @@ def start_warnings(d, nodes):
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
     backward = () if ground.get("motion") else _astray(d, normal, axis, node.v)
-    deep = _deep(d, *rim_above(ground_of(d), d["tire_law"]["radius"], node.x, axis))
+    deep = _deep(d, *tread_above(d, ground_of(d), node.x, axis))
     return [*_falls_off(node.gravity, normal), *backward, *deep]
 
 

@@ -53,7 +53,8 @@ def observe(p, at, F, y, e):
     axis = Rn @ vec(p.axis, 0)
     g = disc_contact(n, p.radius, axis)
     push = number(at.q[HEIGHT]), number(at.q[DRIVING]), number(at.q[LATERAL])
-    put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, dot(Rn @ vec(at.v, 3), axis), 0.0))
+    spin = dot(Rn @ vec(at.v, 3), axis)
+    put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, spin, g.r * g.q, 0.0))
 
 
 def prepare(d, nodes, context):

@@ -24,6 +24,7 @@ book (magic_turn_slip.py); a tyre that turns on the spot then has the moment QCR
 """
 
 import math
+from dataclasses import replace
 
 from mecano.elements.wheels.magic_equations import Slips, atan, formula_of, no_moment, rolling_radius, straight
 from mecano.elements.wheels.magic_turn_slip import COEFFICIENTS as OF_TURN_SLIP
@@ -237,8 +238,20 @@ def spin_of(p, k, V, df):
     return W, p.side * W / V, p.side * (W + of_camber(p, df) * k.spin * k.lean) / V
 
 
-def forces_of(formula, spin):
-    """Return ``forces`` by a formula, with turn slip or without."""
+@kernel
+def of_axle(p, k, R_e, rolled):
+    """Return the slip velocity [m/s] along t of a rim of the radius R_e [m] from the velocity of the axle."""
+    return dot(k.t, k.v) + (dot(k.t, k.u) - dot(k.t, k.v_0)) - R_e * rolled
+
+
+@kernel
+def of_tread(p, k, R_e, rolled):
+    """Return the same for the contact of a rounded tread, which is at another distance from a leaning axle."""
+    return dot(k.t, k.v) - (R_e - (p.radius - at_least(k.w, 0.0))) * rolled
+
+
+def forces_of(formula, spin, sliding=of_axle):
+    """Return ``forces`` by a formula, with turn slip or without; ``sliding`` gives the slip velocity along t."""
 
     @kernel
     def forces(p, laws, k):
@@ -259,7 +272,7 @@ def forces_of(formula, spin):
         least = LEAST_LOAD * p.FNOMIN
         N = at_least(k.N, least)
         R_e, rolled = _rolled(p, k, N)
-        V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - R_e * way * rolled
+        V_sx = way * sliding(p, k, R_e, rolled)
         V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
         lean = way * atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
         mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
@@ -304,8 +317,16 @@ EXAMPLE = {  # plausible values, with all terms of the formula nonzero
     "LONGITUDINAL_STIFFNESS": 9e3, "LATERAL_STIFFNESS": 5e3,
 }  # fmt: skip
 
+WITHOUT_TURN, WITH_TURN = (formula_of(straight, no_moment), no_spin), (formula_of(turned, turning_moment), spin_of)
+
+
+def rounded(law):
+    """Return the SlipLaw for a rounded tread."""
+    return replace(law, forces=forces_of(*WITHOUT_TURN, of_tread), turning=forces_of(*WITH_TURN, of_tread))
+
+
 MAGIC_FORMULA = SlipLaw(
-    "magic_formula", __doc__, mapping(*FIELDS), forces_of(formula_of(straight, no_moment), no_spin), RECORD, prepare,
+    "magic_formula", __doc__, mapping(*FIELDS), forces_of(*WITHOUT_TURN), RECORD, prepare,
     check, limits, carcass, completed, sample, seen=at_effective_radius, passive=False,
-    turning=forces_of(formula_of(turned, turning_moment), spin_of),
+    turning=forces_of(*WITH_TURN), rounded=rounded,
 )  # fmt: skip

@@ -58,7 +58,8 @@ def observe(p, at, F, y, e):
     t, l = directions(axis, g)
     along, pushed = roller_axis(p, axis, g), number(at.q[ALONG])
     push = number(at.q[RADIAL]) / g.q, pushed * dot(along, t), pushed * dot(along, l)
-    put_outputs(y, at.q, push, g.r, Wheel(g, axis, g.arm, dot(Rn @ vec(at.v, 3), axis), 0.0))
+    spin = dot(Rn @ vec(at.v, 3), axis)
+    put_outputs(y, at.q, push, g.r, Wheel(g, axis, g.arm, spin, g.r * g.q, 0.0))
 
 
 def prepare(d, nodes, context):

@@ -14,6 +14,7 @@ from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
+from mecano.elements.wheels.crown import refuse_crown
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
@@ -145,7 +146,7 @@ def put_patch(p, at, k, load, friction, y, e):
     lowest = vec(v, 0) + cross(k.omega, arm)
     v_C = select(contact, friction.v, lowest - dot(k.g.n, lowest) * k.g.n)
     grip = Grip(load.radial, friction.F, load.N, v_C, friction.lost, k.w1)
-    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), 0.0), grip, y, e)
+    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), k.g.r * k.g.q, 0.0), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
@@ -185,7 +186,7 @@ def check(d, nodes):
     slips = [] if law["friction"] is not None else [f"a {d['type']} needs 'tire_law.friction'"]
     if d["ground"].get("motion"):
         slips.append("'ground.motion' is available for the kinds wheel and transient_wheel only")
-    slips += refuse_enveloping(d)
+    slips += refuse_enveloping(d) + refuse_crown(d)
     return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 

@@ -16,5 +16,5 @@ def names_of_wheels() -> set[str]:
     """Return the names in the records of all wheels with a slip law that do not belong to the law."""
     records = [(kind.dtype.names, SLIDING_FRICTION) for kind in (WHEEL, WHEEL_ON_BODY)]
     records += [(law.record, SLIDING_FRICTION) for law in (rolling_law(SLIDING_FRICTION), WITH_CAMS)]
-    records += [(TRANSIENT_WHEEL.dtype.names, FIALA), (twisting_law(FIALA).record, FIALA)]
+    records += [(TRANSIENT_WHEEL.dtype.names, FIALA), (twisting_law(FIALA, FIALA.name).record, FIALA)]
     return {name for names, law in records for name in names if name not in law.record}

@@ -85,7 +85,8 @@ def observe(p, at, F, y, e):
     radius = select(at.phase == AIR, p.radius, g.r)
     push = number(at.q[RADIAL]) / g.q, number(at.q[DRIVING]), number(at.q[LATERAL])
     arm = radius * g.c - p.crown * g.n
-    put_outputs(y, at.q, push, radius, Wheel(g, axis, arm, dot(Rn @ vec(at.v, 3), axis), p.crown))
+    spin, height = dot(Rn @ vec(at.v, 3), axis), g.r * g.q + p.crown
+    put_outputs(y, at.q, push, radius, Wheel(g, axis, arm, spin, height, p.crown))
 
 
 @kernel

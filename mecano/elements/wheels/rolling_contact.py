@@ -13,12 +13,12 @@ from mecano.constraints.ground import end_conditions, touch
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
+from mecano.elements.wheels.crown import touch_crown
 from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
-    CONTACT,
     EVENTS,
     FIELDS,
     PHASES,
@@ -30,7 +30,7 @@ from mecano.elements.wheels.tire_wheel import (
 )
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import atan2, select, sqrt
+from mecano.maths.dual import atan2, sqrt
 from mecano.maths.surface import Contact, directions
 from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 
@@ -47,10 +47,21 @@ FIRST = 18  # index of the first value of these outputs, after those of tire_whe
 SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced
 
 
+class Tread(NamedTuple):
+    """The tread of a tyre and the ground; 3-vectors in the inertial frame."""
+
+    g: Contact
+    lowest: tuple  # from the centre to the lowest point of the undeformed tread [m]
+    height: float  # of the centre over the ground, along the normal at C [m]
+    tilt: float  # F_r/N: q for a force in the plane of the wheel, 1 for one along the normal
+
+
 class Rolling(NamedTuple):
     """Contact of a wheel; 3-vectors in the inertial frame."""
 
     g: Contact
+    arm: tuple  # from the centre to the contact, or to the lowest point of the tread [m]
+    height: float  # of the centre over the ground [m]
     surface: Surface
     axis: tuple
     w1: float  # dw/dt [m/s]
@@ -64,7 +75,27 @@ def rolling(p, at, touching):
     """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the rim."""
     x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, x, axis)
-    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
+    return rolling_on(p, at, touching, flat(p, g), axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
+
+
+@kernel
+def flat(p, g):
+    """Return the Tread of a disc at the Contact ``g``."""
+    return Tread(g, p.radius * g.c, g.r * g.q, g.q)
+
+
+@kernel
+def rounded(p, g):
+    """Return the Tread of a torus at the Contact ``g`` of ``touch_crown``."""
+    return Tread(g, (p.radius - p.crown) * g.c - p.crown * g.n, -dot(g.n, g.arm), 1.0)
+
+
+@kernel
+def crowned_rolling(p, at, touching):
+    """Return the Rolling of a wheel with a rounded tread, as ``rolling``."""
+    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
+    g = touch_crown(p, x, axis)
+    return rolling_on(p, at, touching, rounded(p, g), axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
 
 
 @cache
@@ -82,7 +113,7 @@ def enveloping_on(plane):
     def enveloping(p, at, touching):
         axis, found, g = effective(p, at)
         rise, surface = rise_of_plane(found, g, vec(at.v, 0)), surface_at(p, at, g.n, vec(at.q, 0) + g.arm)
-        return rolling_on(p, at, touching, g, axis, surface, rise, 0.0)
+        return rolling_on(p, at, touching, flat(p, g), axis, surface, rise, 0.0)
 
     @kernel
     def effective_event_values(p, at, g):
@@ -96,26 +127,30 @@ def enveloping_on(plane):
 
 def rolling_of(law):
     """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
+    if law.crowned:
+        return crowned_rolling
     return enveloping_on(law.plane)[0] if law.plane else rolling
 
 
 @kernel
-def rolling_on(p, at, touching, g, axis, surface, rise, curvature):
-    """Return the Rolling at the Contact ``g`` with a Surface that moves along its normal with ``rise`` [m/s].
+def rolling_on(p, at, touching, tread, axis, surface, rise, curvature):
+    """Return the Rolling of a Tread on a Surface that moves along its normal with ``rise`` [m/s].
 
     ``curvature`` is that of the surface along the driving direction [1/m].
     """
+    g = tread.g
     v, omega = vec(at.v, 0), mat(at.R[0]) @ vec(at.v, 3)
-    point = v + cross(omega, g.arm if touching else p.radius * g.c)
+    arm = g.arm if touching else tread.lowest
+    point = v + cross(omega, arm)
     lift = dot(g.n, point)
-    v_C, w1 = point - lift * g.n, (rise - lift) / g.q
+    v_C, w1 = point - lift * g.n, (rise - lift) / tread.tilt
     F = radial_force(p, at.laws, p.radius - g.r, w1)
     t, l = directions(axis, g)
     v_C, turning = v_C - surface.v, omega - surface.omega
     u = _passing(v - dot(g.n, v) * g.n - surface.v, surface.omega, g, t, curvature)
     spin = dot(turning, axis)
-    slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, spin, g.s, t, l, g.n, curvature)
-    return Rolling(g, surface, axis, w1, F, slip, rise)
+    slip = Slip(F / tread.tilt, p.radius - g.r, surface.grip, v_C, v_C, u, turning, spin, g.s, t, l, g.n, curvature)
+    return Rolling(g, arm, tread.height, surface, axis, w1, F, slip, rise)
 
 
 @kernel
@@ -135,7 +170,7 @@ def _passing(u, omega, g, t, curvature):
 @kernel
 def with_slip(k, slip):
     """Return the Rolling with another Slip."""
-    return Rolling(k.g, k.surface, k.axis, k.w1, k.F, slip, k.rise)
+    return Rolling(k.g, k.arm, k.height, k.surface, k.axis, k.w1, k.F, slip, k.rise)
 
 
 @kernel
@@ -149,11 +184,9 @@ def add_ground(f, at, k, ground):
 @kernel
 def put_rolling(p, at, k, ground, y, e):
     """Write outputs and energies of a Rolling under the SlipForces ``ground``; return True if the ground pushes."""
-    touching = at.phase == CONTACT
-    arm = select(touching, k.g.r, p.radius) * k.g.c
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
     spin = dot(k.axis, k.slip.omega + k.surface.omega)
-    pushes = put_tire(p, at, Wheel(k.g, k.axis, arm, spin, 0.0), grip, y, e)
+    pushes = put_tire(p, at, Wheel(k.g, k.axis, k.arm, spin, k.height, 0.0), grip, y, e)
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
@@ -171,6 +204,21 @@ def event_values(p, at, g):
     contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
+
+
+@kernel
+def crowned_event_values(p, at, g):
+    """Write the deformation of a rounded tread along the normal for the touch-down, minus it for the lift-off [m]."""
+    contact = touch_crown(p, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def event_values_of(law):
+    """Return the kernel ``event_values`` of a wheel with a SlipLaw."""
+    if law.crowned:
+        return crowned_event_values
+    return enveloping_on(law.plane)[1] if law.plane else event_values
 
 
 def limits(d):
@@ -215,7 +263,7 @@ def wheel_on_ground(law, compiled, **fields):
         layout=("x0", "R0"),
         fields=FIELDS,
         start_warnings=start_warnings,
-        event_values=enveloping_on(law.plane)[1] if law.plane else event_values,
+        event_values=event_values_of(law),
         **fields,
     )
 

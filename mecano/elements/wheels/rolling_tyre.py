@@ -62,13 +62,13 @@ def is_given(law):
 @cache
 def rolling_law(law):
     """Return the SlipLaw with the forces of ``law`` at the effective rolling radius, and rolling resistance."""
-    forces = law.forces
+    forces, radius = law.forces, _radius_of_crown if law.crowned else _radius
 
     @kernel
     def rolled_forces(p, laws, k):
         """Return the SlipForces at the contact ``k`` (a Slip) with the moment about the axle."""
         ground = forces(p, laws, k)
-        a, (extra, r_e, share) = _axis(k), _radius(p, k)
+        a, (extra, r_e, share) = _axis(k), radius(p, k)
         spin = dot(a, k.omega)
         load, rim = at_least(k.N, 0.0), r_e * share * spin
         f, g = curve(laws, p.resistance, load), curve(laws, p.resistance_by_speed, norm(k.u))
@@ -98,6 +98,13 @@ def _radius(p, k):
     extra = p.undeflected * at_least(k.w, 0.0)
     r_e = p.radius - k.w + extra
     return extra, r_e, 1.0 / (1.0 + k.curvature * r_e)
+
+
+@kernel
+def _radius_of_crown(p, k):
+    """Return the same for a rounded tread, whose contact is nearer to the axle as the wheel leans."""
+    extra, r_e, share = _radius(p, k)
+    return extra, r_e - (p.crown - k.w) * (1.0 - sqrt(1.0 - k.lean * k.lean)), share
 
 
 @kernel

@@ -133,6 +133,10 @@ class SlipLaw:
     plane: Callable | None = None
     """kernel that gives the effective plane of the cams of a wheel (enveloping.py), which takes the place of the
     ground"""
+    crowned: bool = False
+    """True for a tyre with a rounded tread (crown.py)"""
+    rounded: Callable = lambda law: law
+    """SlipLaw -> the SlipLaw for a rounded tread, which rolls on another radius as it leans"""
     twists: bool = False
     """True if the contact of a ``transient_wheel`` is twisted against the torsional stiffness of its carcass"""
 

@@ -15,6 +15,7 @@ whose fields are listed here, or one under its own name, such as ``fiala``.
 import numpy as np
 
 from mecano.element_interface import recorded_values
+from mecano.elements.wheels.crown import CROWN, crowned_law
 from mecano.elements.wheels.enveloping import ENVELOPING, enveloping_law
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
@@ -50,6 +51,7 @@ LAW_FIELDS = (
     ),
     *ROLLING_FIELDS,
     ENVELOPING,
+    CROWN,
     Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch: flexible wheels", None),
     SMILEY_HORNE,
 )  # fmt: skip
@@ -74,11 +76,12 @@ def register(law):
 
 
 def slip_law_of(values):
-    """Return the SlipLaw of the values of a tyre law, with turn slip, rolling radius, resistance, cams."""
+    """Return the SlipLaw of the values of a tyre law, with crown, turn slip, rolling radius, resistance, cams."""
     law = given_law(values)
-    own = values[law.name] if law.turning else {}
+    field, own = law.name, values[law.name] if law.turning else {}
+    law = crowned_law(law) if values.get("crown_radius") else law
     if own.get("contact_width") or own.get("turn_slip"):
-        law = twisting_law(law) if own.get("torsional_stiffness") else turning_law(law)
+        law = twisting_law(law, field) if own.get("torsional_stiffness") else turning_law(law)
     law = rolling_law(law) if is_given(values) else law
     cams = values.get("enveloping")
     return law if cams is None else enveloping_law(law, cams["contact_width"] > 0.0)

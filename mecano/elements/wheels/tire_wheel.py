@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import check_axle, check_ground, prepare_ground, rim_above, slope_below, too_low
+from mecano.constraints.ground import check_axle, check_crown, check_ground, prepare_ground, slope_below, too_low
 from mecano.constraints.triads import carried_axis
 from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
 from mecano.element_interface import Event, Output
+from mecano.elements.wheels.crown import crown_of, tread_above
 from mecano.elements.wheels.enveloping import check_enveloping, ground_of, prepare_paths
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
@@ -30,7 +31,7 @@ TYRE_DISPLAY = replace(WHEEL_DISPLAY, pictures=("wheels", "drop_test"))
 OUTPUTS = (
     *CONTACT_OUTPUTS,
     Output("deformation", "m", "radial deformation w of the tyre; zero in the air", geometric=True),
-    Output("radial_force", "N", "radial force F_r in the plane of the wheel"),
+    Output("radial_force", "N", "radial force F_r in the plane of the wheel; with a crown, along the normal"),
     Output("longitudinal_slip", "m/s", "slip velocity v_C along t; in the air, of the lowest point of the rim"),
     Output("lateral_slip", "m/s", "slip velocity v_C along l; in the air, of the lowest point of the rim"),
     Output("friction_coefficient", "-", "tangential over normal force; zero in the air"),
@@ -61,7 +62,8 @@ def put_tire(p, at, wheel, grip, y, e):
     radius = select(contact, g.r, p.radius)
     w = at_least(p.radius - radius, 0.0)
     F = select(touching, grip.radial, 0.0)
-    push = F / g.q, select(touching, dot(grip.force, t), 0.0), select(touching, dot(grip.force, l), 0.0)
+    along, across = select(touching, dot(grip.force, t), 0.0), select(touching, dot(grip.force, l), 0.0)
+    push = select(touching, grip.N, 0.0), along, across
     put_contact(y, at.q, push, radius, wheel)
     y[13], y[14] = w, F
     y[15], y[16] = dot(grip.v_C, t), dot(grip.v_C, l)
@@ -77,7 +79,7 @@ def prepare_wheel(d, nodes, context):
     """Return the record: axis in the node's frame, ground, radial law."""
     return {
         "axis": carried_axis(d, nodes),
-        **prepare_ground(ground_of(d), context),
+        **prepare_ground(ground_of(d), context, crown_of(d)),
         **prepare_paths(d, context),
         **prepare_surface(d["ground"], context),
         **prepare_radial(d["tire_law"], context),
@@ -90,13 +92,14 @@ def check_wheel(d, nodes):
         return check_tire_law(d["tire_law"]) + texts
     place = ground_of(d), nodes[0][0], d["axis"]
     texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place)
-    return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
+    texts += check_crown(d["ground"], d["tire_law"]["radius"], crown_of(d))
+    return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d, *place))
 
 
-def _check_deformation(law, ground, x, axis):
+def _check_deformation(d, ground, x, axis):
     """Return errors for an initial deformation outside the validity of the tyre law."""
-    gap, along_normal = rim_above(ground, law["radius"], x, axis)
-    most, limit = deepest(law)
+    gap, along_normal = tread_above(d, ground, x, axis)
+    most, limit = deepest(d["tire_law"])
     return [too_low(-gap, -along_normal, limit)] if -gap > most else []
 
 

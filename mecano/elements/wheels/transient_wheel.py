@@ -31,6 +31,7 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import Output, named
+from mecano.elements.wheels.crown import with_crown
 from mecano.elements.wheels.enveloping import with_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
@@ -172,7 +173,8 @@ def sample(rng):
     """Return large wheels with each slip law that has a carcass, in contact and in the air."""
     laws = [law for law in SLIP_LAWS.values() if law.carcass]
     found = [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
-    return [*found, with_rolling(found[0]), with_enveloping(found[0])]
+    rounded = [one for one in found if one[0]["tire_law"].get("magic_formula")][1:3]
+    return [*found, with_rolling(found[0]), with_enveloping(found[0]), *map(with_crown, rounded)]
 
 
 def prepare(d, nodes, context):

@@ -51,15 +51,14 @@ def turning_law(law):
 
 
 @cache
-def twisting_law(law):
-    """Return the SlipLaw ``law`` for a contact that the carcass of a ``transient_wheel`` lets twist."""
-    field = law.name
+def twisting_law(law, field):
+    """Return the SlipLaw ``law``, of this field, for a contact that the carcass of a ``transient_wheel`` lets twist."""
 
     def prepare(d, context):
         return {**law.prepare(d, context), "torsion": d[field]["torsional_stiffness"]}
 
     record = {**law.record, "torsion": ()}
-    return turning_law(replace(law, name=f"{field}_twisting", record=record, prepare=prepare, twists=True))
+    return turning_law(replace(law, name=f"{law.name}_twisting", record=record, prepare=prepare, twists=True))
 
 
 class TurnSlip(NamedTuple):

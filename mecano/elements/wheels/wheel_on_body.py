@@ -36,12 +36,14 @@ from mecano.constraints.touching import check_one_surface, named_surface
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
+from mecano.elements.wheels.crown import refuse_crown
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
     add_ground,
     by_slip_law,
+    flat,
     law_samples,
     put_rolling,
     rolling_on,
@@ -79,7 +81,7 @@ def _rolling(p, at, touching):
     rise = dot(g.n, v_g)
     surface = Surface(constant(1.0, rise), v_g - rise * g.n, omega)
     along = dot(directions(axis, g)[0], R @ vec(p.surface_axis, 0))
-    return rolling_on(p, at, touching, g, axis, surface, rise, p.drum_curvature * (1.0 - along * along)), arm
+    return rolling_on(p, at, touching, flat(p, g), axis, surface, rise, p.drum_curvature * (1.0 - along * along)), arm
 
 
 def compiled(law):
@@ -121,7 +123,7 @@ def event_values(p, at, g):
 
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
-    texts = check_one_surface(d) + refuse_enveloping(d)
+    texts = check_one_surface(d) + refuse_enveloping(d) + refuse_crown(d)
     return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
 
 

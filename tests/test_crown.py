@@ -1,0 +1,150 @@
+"""Tyres with a rounded tread: static inclined wheel in closed form, and the limit of the rigid torus."""
+
+import numpy as np
+import pytest
+from convergence import at_times
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize
+from test_rigid_wheel import MASS, TORUS_TIMES, E, G, R, contact_of_torus, rates_of_torus
+from time_runs import RecordedRun, deck
+
+from mecano.errors import DeckError
+
+STIFFNESS, LEAN = 2.0e3, 0.7  # N/m, rad
+DEPTH = MASS * G / STIFFNESS  # of the tread in the ground [m]
+HEIGHT = E + (R - E) * np.cos(LEAN) - DEPTH
+
+STANDING = f"""
+    mecano: 1
+    gravity: [0, 0, -{G}]
+    nodes: {{hub: {{position: [0, 0, {float(HEIGHT)!r}]}}}}
+    elements:
+      rim: {{type: rigid_body, node: hub, mass: {MASS}, inertia: [1, 1, 1]}}
+      tyre: {{type: wheel, node: hub, axis: [0, {float(np.cos(LEAN))!r}, {float(np.sin(LEAN))!r}], tire_law: round,
+             ground: floor}}
+    joints: {{guide: {{type: prismatic, nodes: [ground, hub], axis: [0, 0, 1]}}}}
+    tire_laws:
+      round: {{radius: {R}, crown_radius: {E}, radial: {{linear: {{slope: {STIFFNESS}}}}}, LAW}}
+    grounds: {{floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    time: {{end: 0.01, step: 0.01}}
+"""
+FRICTION = "friction: 0.8, slip_regularization: 0.1"
+FIALA = "fiala: {cornering_stiffness: 2 kN, friction: 1, carcass_stiffness: [1 kN/m, 1 kN/m]}"
+
+
+def lowest_of_torus():
+    """Lowest point of a leaning torus from its centre, sought on the whole surface."""
+    a, t = np.array([0.0, np.cos(LEAN), np.sin(LEAN)]), np.array([1.0, 0.0, 0.0])
+    down = np.cross(t, a)
+
+    def point(angles):
+        out = np.cos(angles[0]) * down + np.sin(angles[0]) * t
+        return (R - E) * out + E * (np.cos(angles[1]) * out + np.sin(angles[1]) * a)
+
+    return point(minimize(lambda u: point(u)[2], [2.5, 0.3], tol=1e-14).x)
+
+
+@pytest.mark.parametrize(("kind", "law"), [("wheel", FRICTION), ("transient_wheel", FIALA)])
+def test_static_inclined_wheel(kind, law, verify):
+    """On a guide along the normal it bears its weight, which acts at the lowest point of the torus."""
+    run = RecordedRun(deck(STANDING.replace("type: wheel", f"type: {kind}").replace("LAW", law)))
+    names = "contact_point", "deformation", "height", "normal_force"
+    outputs = {name: run[f"elements/tyre/{name}"][-1].squeeze() for name in names}
+    lowest = lowest_of_torus()
+    np.testing.assert_allclose(outputs["contact_point"], [0.0, lowest[1], 0.0], atol=1e-7)
+    assert -lowest[2] - HEIGHT == pytest.approx(DEPTH, abs=1e-12)
+    assert outputs["deformation"] == pytest.approx(DEPTH, rel=1e-9)
+    assert outputs["height"] == pytest.approx(HEIGHT, rel=1e-12)
+    what = f"{kind}, inclined, rounded tread"
+    verify("Rolling", f"{what}: normal force [N]", outputs["normal_force"], MASS * G, "weight", relative=1e-9)
+    found, expected = np.abs(run["joints/guide/moment"][-1]).max(), MASS * G * (R - E) * np.sin(LEAN)
+    verify("Rolling", f"{what}: overturning moment [N m]", found, expected, "closed form", relative=1e-9)
+
+
+ROLLING = f"""
+    mecano: 1
+    gravity: [0, 0, -{G}]
+    nodes: {{centre: {{position: [0, 0, HEIGHT], orientation: [-0.4, 0, 0]}}}}
+    elements:
+      wheel: {{type: rigid_body, node: centre, mass: {MASS}, inertia: [0.03, 0.05, 0.03]}}
+      tyre: {{type: wheel, node: centre, axis: [AXIS], tire_law: round, ground: floor}}
+    tire_laws:
+      round: {{radius: {R}, crown_radius: {E}, radial: {{linear: {{slope: STIFFNESS}}}}, friction: 20,
+              radial_damping: 0.1, slip_regularization: CREEP}}
+    grounds: {{floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    initial: {{velocities: [{{nodes: [centre], velocity: [VELOCITY], angular_velocity: [SPIN]}}]}}
+    time: {{end: 1.0, step: 1 ms}}
+"""
+
+
+def released(stiffness, creep):
+    """A leaning torus on a stiff tyre of much grip, released in rolling, and the exact motion of the rigid one."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    A, spin = np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]), np.array([0.1, 6.0, -1.5])
+    velocity, height = -np.cross(spin, contact_of_torus(A[:, 1], spin)[0]), E + (R - E) * c
+    exact = solve_ivp(
+        rates_of_torus, (0.0, 1.0), np.concatenate([[0.0, 0.0, height], A.ravel(), spin]), t_eval=TORUS_TIMES,
+        rtol=1e-11, atol=1e-12,
+    ).y  # fmt: skip
+    text = ROLLING.replace("HEIGHT", repr(float(height - MASS * G / stiffness)))
+    for name, vector in (("AXIS", A[:, 1]), ("VELOCITY", velocity), ("SPIN", spin)):
+        text = text.replace(name, ", ".join(map(repr, vector.tolist())))
+    run = RecordedRun(deck(text.replace("STIFFNESS", repr(stiffness)).replace("CREEP", repr(creep))))
+    return run, at_times(run, run["nodes/centre/position"], TORUS_TIMES) - exact[:3].T
+
+
+def test_a_stiff_tyre_with_grip_rolls_as_a_rigid_torus(verify):
+    """Its error falls with compliance and creep; its energy is that of the start."""
+    errors = []
+    for share in (1.0, 0.1):
+        run, error = released(1.0e4 / share, 1.0 * share)
+        errors.append(np.abs(error).max())
+        assert np.ptp(run["energy/balance"]) < 1e-5  # J of 11 J
+    what = "stiff tyre as a rigid torus: error of its centre over 1 s [m]"
+    verify("Rolling", what, errors[1], 0.0, "SciPy", absolute=5e-4)
+    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.05)
+
+
+TIR = """{FNOMIN: 1500, UNLOADED_RADIUS: 0.3, PCX1: 1.6, PDX1: 1.2, PKX1: 20, PCY1: 1.3, PDY1: 1, PKY1: -18, PKY2: 1.8,
+          VERTICAL_STIFFNESS: 1.5e5, BREFF: 8, DREFF: 0.25, FREFF: 0.07, VERSION: 6.1}"""
+FREE = f"""
+    mecano: 1
+    gravity: [0, 0, -{G}]
+    nodes: {{axle: {{position: [0, 0, 0.25]}}, hub: {{position: [0, 0, 0.25]}}}}
+    elements:
+      load: {{type: rigid_body, node: axle, mass: 150, inertia: [1, 1, 1]}}
+      rim: {{type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}}
+      tyre: {{type: wheel, node: hub, axis: [0, {float(np.cos(LEAN))!r}, {float(np.sin(LEAN))!r}], tire_law: round,
+             ground: floor}}
+    joints:
+      guide: {{type: generic, nodes: [ground, axle], axis: [0, 0, 1], axis_1: [1, 0, 0], free: [along_1, along_axis]}}
+      bearing: {{type: hinge, nodes: [axle, hub], axis: [0, {float(np.cos(LEAN))!r}, {float(np.sin(LEAN))!r}]}}
+    tire_laws: {{round: {{crown_radius: 0.08, magic_formula: {{coefficients: {TIR}}}}}}}
+    grounds: {{floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    initial: {{steady: {{velocity: [20, 0, 0]}}}}
+    time: {{end: 0.01, step: 0.01}}
+"""
+
+
+def test_a_leaning_tyre_of_a_file_rolls_on_a_smaller_radius():
+    """R_e of the file, (A3) of Besselink et al., less (e - w) (1 - cos gamma), by which its contact is nearer."""
+    run = RecordedRun(deck(FREE))
+    w, N, spin = (run[f"elements/tyre/{name}"][0] for name in ("deformation", "normal_force", "spin_rate"))
+    assert N == pytest.approx(151 * G, rel=1e-6) and w == pytest.approx(N / 1.5e5, rel=1e-6)
+    n = N / 1500.0
+    upright = 0.3 - 0.01 * (0.25 * np.arctan(8.0 * n) + 0.07 * n)
+    assert spin == pytest.approx(20.0 / (upright - (0.08 - w) * (1.0 - np.cos(LEAN))), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        (f"crown_radius: {E}", f"crown_radius: {R}", "'crown_radius' must be less than the 'radius' of 0.3225 m"),
+        ("normal: [0, 0, 1]}", "normal: [0, 0, 1]}, profile: {direction: [1, 0, 0], height: 0.1}", "needs a plane"),
+        ("type: wheel", "type: adhesive_wheel", "for the kinds wheel and transient_wheel only"),
+    ],
+)
+def test_crowns_that_are_refused(old, new, text):
+    given = STANDING.replace("LAW", FRICTION)
+    with pytest.raises(DeckError, match=text):
+        deck(given.replace(old, new))
