@@ -111,6 +111,20 @@ def test_a_failure_names_the_wheels_without_load_at_the_start():
             assert (f"wheel '{name}' carries no load at the start: lower it by 50 mm" in str(error.value)) == named
 
 
+@pytest.mark.parametrize("stiffness", [2700.0, 2800.0])
+@pytest.mark.parametrize("start", ["{steady: {velocity: [10, 0, 0]}}", "static"])
+def test_a_tyre_that_sinks_by_more_than_half_of_its_radius_is_refused(stiffness, start):
+    """Each wheel carries (50 + 5) 10 N, which deforms its tyre by 0.2 m, half of its radius, at 2750 N/m."""
+    text = CART.replace("initial: {steady: {velocity: [10, 0, 0]}}", f"initial: {start}")
+    text = text.replace("slope: 1.0e6", f"slope: {stiffness}")
+    if stiffness > 2750.0:
+        assert loads(steady(text)[0])["elements/front_tyre"] == pytest.approx(550.0, rel=1e-6)
+        return
+    with pytest.raises(ConvergenceError, match="only with tyres deformed beyond their range") as error:
+        steady(text)
+    assert f"wheel 'front_tyre' carries 550 N with its rim {550.0 / stiffness:.4g} m below" in str(error.value)
+
+
 def test_equations_that_cannot_be_solved_are_a_failure_of_the_search(monkeypatch):
     """LAPACK's singular values may not converge for singular equations."""
 

@@ -26,7 +26,9 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     if initial["static"]:
         from mecano.analyses.equilibria import equilibrium  # slow to import, and not needed by other decks
 
-        return equilibrium(prepared)
+        warnings = equilibrium(prepared)
+        _refuse_sunken_tyres(prepared, "an equilibrium")
+        return warnings
     if not initial["steady"]:
         return ()
     # these take 0.2 s to import, and are not needed by other decks
@@ -43,12 +45,20 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     except ConvergenceError as error:
         unloaded = unloaded_text(prepared.system, before)
         raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared), unloaded])) from None
+    _refuse_sunken_tyres(prepared, "steady motion")
     if disturbed:
         prepared.state.v += requested
     moved, noticeable = steady.change_of_shape(before, prepared.state), NOTICEABLE * prepared.length
     reshaped = bool(moved.max(initial=0.0) > noticeable)
     lifted = lift_off_warnings(prepared.system, before, prepared.state, noticeable, reshaped)
     return (*lifted, *_displacement_warnings(prepared, moved))
+
+
+def _refuse_sunken_tyres(prepared, state):
+    """Raise ConvergenceError if a tyre is deformed too much in ``prepared.state``."""
+    from mecano.analyses.sunken_tyres import refuse_sunken_tyres  # not needed by other decks
+
+    refuse_sunken_tyres(prepared.deck, prepared.system, prepared.state, state)
 
 
 def _steady_motion(prepared):
