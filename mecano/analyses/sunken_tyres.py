@@ -20,10 +20,11 @@ def refuse_sunken_tyres(deck: "Deck", system: "System", s: "State", state: str) 
     """
     outputs, texts = system.observe(s).outputs, []
     for batch in system.batches:
-        places = [index_of(name, batch.kind, "") for name in ("deformation", "normal_force")]
-        if None in places:
+        w_at, load_at = (index_of(name, batch.kind, "") for name in ("deformation", "normal_force"))
+        if w_at is None or load_at is None:
             continue
-        for (path, _), name, (w, load) in zip(batch.paths, batch.names, batch.outputs(outputs)[:, places], strict=True):
+        values = batch.outputs(outputs)
+        for (path, _), name, w, load in zip(batch.paths, batch.names, values[:, w_at], values[:, load_at], strict=True):
             most, because = deepest(deck.values["elements"][path.partition("/")[2]]["tire_law"])
             if w > most:
                 texts.append(f"{name} carries {load:.4g} N with its rim {w:.4g} m below the ground{because}")
