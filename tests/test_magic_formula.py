@@ -274,7 +274,12 @@ def test_units_of_the_file(tmp_path):
     [
         ("FITTYP                   = 61 ", "FITTYP                   = 99 ", "has FITTYP = 99; supported: 6, 21"),
         ("PCX1                     = 1.62", "PCX1                     = abc", "PCX1 = 'abc', which is not a number"),
-        ("PKY1                     = -24.0\n", "", "'tire_law.magic_formula' has no PKY1"),
+        ("PKY1                     = -24.0\n", "", "'magic_formula' has no PKY1"),
+        ("FNOMIN                   = 4000", "FNOMINAL = 4000", "'magic_formula' has no FNOMIN"),
+        ("PKY1                     = -24.0", "PKY1 = 24.0", "PKY1 = 24 gives a force that drives the slip"),
+        ("PKX1                     = 22.0", "PKX1 = -22.0", "(ISO 8855) PKX1 is positive"),
+        ("LMUY                     = 1", "LMUY = 0", "LMUY must be greater than zero, got 0"),
+        ("PKY1                     = -24.0", "PKY1 = -24.0\nPKY1 = -23", "has PKY1 twice: -24.0 and -23"),
         ("'meter'", "'furlong'", "has the unit LENGTH = 'furlong'; known: meter"),
         ("VERTICAL_STIFFNESS       = 210000\n", "", "missing 'radial', radial force"),
         ("FNOMIN                   = 4000", "FNOMIN                   = -4000", "FNOMIN must be greater than zero"),
@@ -303,6 +308,23 @@ def test_what_is_wrong_in_a_deck(tmp_path, old, new, said):
     with pytest.raises(DeckError) as error:
         with_file(tmp_path, ORIGINAL, DECK.replace(old, new))
     assert said in str(error.value)
+
+
+def test_a_pressure_needs_the_nominal_one_of_the_file(tmp_path):
+    own = "{file: own.tir, pressure: 2.4 bar}"
+    lines = [line for line in ORIGINAL.splitlines() if not line.startswith(("NOMPRES", "INFLPRES"))]
+    with_file(tmp_path, ORIGINAL, DECK.replace("{file: own.tir}", own))
+    with pytest.raises(DeckError, match="pressure': the file has no NOMPRES, so its forces do not depend on"):
+        with_file(tmp_path, "\n".join(lines), DECK.replace("{file: own.tir}", own))
+    with_file(tmp_path, "\n".join(lines))
+
+
+def test_a_nominal_load_outside_of_the_range_of_the_file_is_warned_of(tmp_path):
+    """In kN, beside limits in N."""
+    warnings = with_file(tmp_path, ORIGINAL.replace("FNOMIN                   = 4000", "FNOMIN = 4")).warnings
+    said = "tire law 'car': the nominal load FNOMIN = 4 N is outside of FZMIN = 100 to FZMAX = 9000 N"
+    assert warnings[-1].message.startswith(said)
+    assert with_file(tmp_path, ORIGINAL).warnings == ()
 
 
 def test_the_ranges_of_a_file_are_watched(tmp_path):

@@ -279,6 +279,11 @@ def _in_other_units(d):
     if (slip := d.get("slip_regularization") or 0.0) > LARGEST_REGULARIZATION:
         text = f"'slip_regularization' is {slip:g} m/s: the tyre has its friction at larger slip speeds only"
         yield ("slip_regularization",), f"{text}; is it in mm/s?"
+    given = (d.get("magic_formula") or {}).get("coefficients") or {}
+    low, high = given.get("FZMIN", 0.0), given.get("FZMAX", math.inf)
+    if not low <= given.get("FNOMIN", low) <= high:
+        text = f"the nominal load FNOMIN = {given['FNOMIN']:g} N is outside of FZMIN = {low:g} to FZMAX = {high:g} N"
+        yield ("magic_formula",), f"{text}, the range of the file: are all of them in its unit of force?"
     if (size := d.get("smiley_horne")) and size["deflection"] < LEAST_DEFLECTION * size["diameter"]:
         share = size["deflection"] / size["diameter"]
         text = f"'smiley_horne.load' of {size['load']:g} N deflects the tyre by {share:.2g} of its diameter"

@@ -84,6 +84,8 @@ class _Reading:
             match = LINE.match(line) if not text.startswith(("$", "!")) else None
             if match:
                 key, value = match[1].upper(), match[2].strip("'\"").strip()
+                if key in KNOWN and self.texts.get(key, value) != value:
+                    self._refuse(f"has {key} twice: {self.texts[key]} and {value}")
                 self.texts[key] = value
                 if section == "UNITS" and key in UNITS:
                     self._unit(key, value)

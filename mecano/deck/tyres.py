@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from mecano.deck.tyre_file import read_tyre
 from mecano.deck.wording import quoted
 from mecano.elements.wheels import smiley_horne
+from mecano.elements.wheels.magic_formula import missing_coefficients
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import slip_law_of
 
@@ -83,6 +84,9 @@ def _with_file(values, entry, scope):
             "deflection_load": values["deflection_load"] or curve or None,
         }
     given = values["coefficients"]
+    if missing := missing_coefficients(given):
+        scope.refuse(key, f"'magic_formula' has no {', '.join(missing)}")
+        return False
     if values["turn_slip"] is None:
         known = abs(int(given.get("USE_MODE", 0))) % 10 == WITH_TURN_SLIP
         values["turn_slip"] = known and given.get("VERSION", 0.0) >= 6.0

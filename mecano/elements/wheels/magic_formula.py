@@ -39,6 +39,7 @@ from mecano.maths.vector import dot
 from mecano.schema import BOOLEAN, NUMBER, POINTS, TEXT, Field, mapping, named, positive
 
 NEEDED = "FNOMIN UNLOADED_RADIUS PCX1 PDX1 PKX1 PCY1 PDY1 PKY1 PKY2".split()
+POSITIVE = "FNOMIN UNLOADED_RADIUS PCX1 PCY1 NOMPRES LONGVL LFZO LMUX LMUY".split()
 ONE = (  # coefficients, such as scaling factors, that are 1 if a file does not give them
     "LFZO LCX LMUX LEX LKX LHX LVX LCY LMUY LEY LKY LKYC LHY LVY LTR LRES LKZC LXAL LYKA LVYKA LS LMX LVMX LMY "
     "LGAX LGAY LGAZ LSGKP LSGAL LMP Q_RE0 QSY7 NOMPRES INFLPRES"
@@ -109,15 +110,35 @@ def prepare(law, context):
 
 
 def check(law):
-    """Return errors for missing coefficients and for values that must be positive."""
+    """Return errors for values that must be positive, and for stiffnesses that drive the slip."""
     d = law["magic_formula"]
-    missing = [name for name in NEEDED if name not in d["coefficients"]]
-    if missing:
-        return [f"'tire_law.magic_formula' has no {', '.join(missing)}"]
     found = coefficients(law)
-    wrong = [name for name in ("FNOMIN", "UNLOADED_RADIUS", "PCX1", "PCY1", "NOMPRES", "LONGVL") if found[name] <= 0.0]
+    wrong = [name for name in POSITIVE if found[name] <= 0.0]
     texts = [f"'tire_law.magic_formula': {name} must be greater than zero, got {found[name]:g}" for name in wrong]
+    texts = texts or [*_driving(found), *_without_reference(d)]
     return texts or (check_turn_slip(found) if d["turn_slip"] else check_twist("magic_formula", d, "turn_slip"))
+
+
+def missing_coefficients(given):
+    """Return the names of the coefficients that a formula needs and {name: value} lacks."""
+    return [name for name in NEEDED if name not in given]
+
+
+def _driving(c):
+    """Yield an error for each slip stiffness that has the wrong sign at the nominal load."""
+    along, aside = signed_stiffness(c, c["LFZO"] * c["FNOMIN"])
+    for stiffness, name, sign in ((along, "PKX1", "positive"), (-aside, "PKY1", "negative")):
+        if stiffness < 0.0:
+            yield (
+                f"'tire_law.magic_formula': {name} = {c[name]:g} gives a force that drives the slip instead of "
+                f"opposing it; in the axes of .tir files (ISO 8855) {name} is {sign}"
+            )
+
+
+def _without_reference(d):
+    """Yield an error for a pressure without the nominal one of the file."""
+    if d["pressure"] and not {"NOMPRES", "INFLPRES"} & set(d["coefficients"]):
+        yield "'tire_law.magic_formula.pressure': the file has no NOMPRES, so its forces do not depend on the pressure"
 
 
 def limits(law):
@@ -133,7 +154,7 @@ def limits(law):
 def completed(law):
     """Return radius, radial law and radial damping of the file, as far as it gives them."""
     c = coefficients(law)
-    if any(name not in c for name in ("FNOMIN", "UNLOADED_RADIUS")) or c["UNLOADED_RADIUS"] <= 0.0:
+    if c["UNLOADED_RADIUS"] <= 0.0:
         return {}
     found, R0, load = {"radius": c["UNLOADED_RADIUS"]}, c["UNLOADED_RADIUS"], c["FNOMIN"]
     pressed = 1.0 + c["PFZ1"] * ((law["magic_formula"]["pressure"] or c["INFLPRES"]) / c["NOMPRES"] - 1.0)
@@ -153,12 +174,18 @@ def completed(law):
 
 def slip_stiffness(c, load):
     """Return the slip stiffnesses (along t, along l) [N, N/rad] > 0 at a load [N] and the pressure of the file."""
+    along, aside = signed_stiffness(c, load)
+    return abs(along), abs(aside)
+
+
+def signed_stiffness(c, load):
+    """Return the same as slopes of F_x over kappa, positive, and of F_y over alpha, negative, in the axes of files."""
     dp, df = c["INFLPRES"] / c["NOMPRES"] - 1.0, load / (c["LFZO"] * c["FNOMIN"]) - 1.0
     along = load * (c["PKX1"] + c["PKX2"] * df) * math.exp(c["PKX3"] * df) * c["LKX"]
     along *= 1.0 + c["PPX1"] * dp + c["PPX2"] * dp * dp
     at_load = math.atan((df + 1.0) / (c["PKY2"] * (1.0 + c["PPY2"] * dp)))
     aside = c["PKY1"] * c["LFZO"] * c["FNOMIN"] * (1.0 + c["PPY1"] * dp) * math.sin(c["PKY4"] * at_load) * c["LKY"]
-    return abs(along), abs(aside)
+    return along, aside
 
 
 def relaxation_lengths(c, load):
