@@ -21,6 +21,7 @@ DECK = """
         ("", "no joint or member holds it"),
         ("ball: {type: spherical, nodes: [ground, pin]}", "only 'ball' holds it, at a point"),
         ("bearing: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}", ""),
+        ("frame: {type: held_rotation, nodes: [ground, pin]}", ""),
         ("cross: {type: universal, nodes: [ground, pin], axis_a: [1, 0, 0], axis_b: [0, 1, 0]}", ""),
         (
             "ball: {type: spherical, nodes: [ground, pin]}\n      ball_2: {type: spherical, nodes: [ground, end]}",

@@ -59,9 +59,31 @@ def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
         assert warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", f"parameters.speed={speed}"))) == []
     (said,) = warnings_of(prepare(input_deck("wheel_spin_up", "gravity=[0, 0, 9.81]")))
     assert "wheel 'tire': 'gravity' [0, 0, 9.81] pulls it off its ground, whose normal [0, 0, 1]" in said
+    for lean, warned in ((59, 0), (61, 1)):
+        gravity = f"gravity=[0, {9.81 * np.sin(np.radians(lean))}, {-9.81 * np.cos(np.radians(lean))}]"
+        said = warnings_of(prepare(input_deck("wheel_spin_up", gravity)))
+        assert ["hardly presses it onto its ground, whose normal [0, 0, 1]" in text for text in said] == [True] * warned
     for name, wheel in (("step_slip", "tire"), ("nose_landing_gear", "wheel")):  # a transient and a flexible wheel
         warnings = warnings_of(prepare(input_deck(name, reverse % wheel)))
         assert any("it starts backward" in said for said in warnings)
+
+
+@pytest.mark.parametrize(("spin", "warned"), [(-0.6, True), (-0.4, False), (1.0, False)])
+def test_a_wheel_that_spins_against_its_rolling_is_warned_of(spin, warned):
+    """A share of the spin of rolling, 60 m/s over the radius; one of an aircraft that lands does not spin."""
+    rolling = 60.0 / 0.3225
+    forward = "{nodes: all, velocity: [60, 0, -3.05]}"
+    turning = f"[{forward}, {{nodes: [hub], angular_velocity: [0, {spin * rolling}, 0]}}]"
+    said = warnings_of(prepare(input_deck("wheel_spin_up", f"initial.velocities={turning}")))
+    expected = f"wheel 'tire': it starts forward, at 60 m/s, but spins backward, at {-spin * rolling:.4g} rad/s about"
+    assert [expected in text for text in said] == [True] * warned
+
+
+def test_a_wheel_beside_its_bearing_or_without_one_is_warned_of():
+    (said,) = warnings_of(prepare(input_deck("wheel_spin_up", "elements.tire.node=fork")))
+    assert "lets node 'hub' spin, and nothing is on it: is the wheel meant to be there, not on 'fork'?" in said
+    said = warnings_of(prepare(input_deck("wheel_spin_up", "joints.bearing=null")))
+    assert any("no joint or member holds its node 'hub'; is a bearing missing?" in text for text in said)
 
 
 @pytest.mark.parametrize(

@@ -210,7 +210,8 @@ def _start_warnings(deck, system, s):
     """Yield the warnings of the kinds about the state at the start, for steady running with its velocity."""
     ahead = _velocity_to_add(deck, system, s)
     at, gravity = {node.name: i for i, node in enumerate(system.nodes)}, system.context.gravity
-    ground = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3), gravity)
+    at_rest = np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3)
+    ground = NodeAtStart(*at_rest, lambda: np.diag([np.inf] * 3), gravity)
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
         if kind.start_warnings is not nothing:
@@ -230,9 +231,9 @@ def _velocity_to_add(deck, system, s):
 def node_at_start(system: "System", s: "State", i: int, ahead: np.ndarray | float = 0.0) -> NodeAtStart:
     """Return the NodeAtStart of the node ``i`` at the state ``s``; ``ahead`` (3,) is added to its velocity."""
     of = system.numbering
-    x = slice(of.x[i], of.x[i] + 3)
-    inertia = partial(_inertia, system, s, i)
-    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x] + ahead, inertia, system.context.gravity)
+    x, r, R = slice(of.x[i], of.x[i] + 3), slice(of.r[i], of.r[i] + 3), s.R[of.rotation[i]]
+    motion = s.z[x], R, s.v[x] + ahead, R @ s.v[r]
+    return NodeAtStart(system.nodes[i].R, *motion, partial(_inertia, system, s, i), system.context.gravity)
 
 
 def _inertia(system, s, i):

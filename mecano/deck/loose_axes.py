@@ -36,7 +36,7 @@ def loose_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Located
         for node in d["nodes"]:
             (one,) = body([node])
             found = at.get(one, [])
-            if one != GROUND and len(found) < 2 and all(point for _, point in found):
+            if body([node]) != body([GROUND]) and len(found) < 2 and all(point for _, point in found):
                 held = f"only {quoted(found[0][0])} holds it, at a point" if found else "no joint or member holds it"
                 text = f"{d['type']} {quoted(name)}: node {quoted(node)} can turn about any axis, as {held}"
                 yield ("joints", name), f"{text}; the angle is that about 'axis' alone: is a hinge missing?"

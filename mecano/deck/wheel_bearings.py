@@ -1,14 +1,16 @@
 """Warnings about the bearings of wheels: axes that are not those of the wheels, wheels without a bearing."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.physics import own_nodes
-from mecano.deck.turning_axes import are_parallel, listed
+from mecano.deck.turning_axes import are_parallel, bodies, listed, turning_together
 from mecano.element_interface import SECTIONS, Kind
 from mecano.element_interface.kind import FREELY
+from mecano.model.model import GROUND
 
 if TYPE_CHECKING:
     from mecano.deck.lint import LocatedWarning
@@ -18,16 +20,41 @@ APART = 0.2  # sine of the angle between the axes of a wheel and of its bearing;
 
 
 def misplaced_bearings(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
-    """Yield (path, text) on wheels that turn about another axis than theirs, or that nothing holds beside held ones."""
+    """Yield (path, text) on wheels that turn about another axis than theirs, that nothing holds, beside a bearing."""
     wheels = _wheels(values, kinds)
+    yield from _beside(values, kinds, wheels)
     around = {name: _at_node(values, kinds, node, name) for name, (node, _) in wheels.items()}
     for name, (node, axis) in wheels.items():
-        if not around[name] and any(around.values()):
-            held = next(other for other, found in around.items() if found)
-            text = f"no joint or member holds its node '{node}', as one holds wheel '{held}'; is a bearing missing?"
+        if not around[name] and (values["joints"] or any(around.values())):
+            held = next((f", as one holds wheel '{other}'" for other, found in around.items() if found), "")
+            text = f"no joint or member holds its node '{node}'{held}; is a bearing missing?"
             yield ("elements", name), f"{values['elements'][name]['type']} '{name}': {text}"
         elif len(around[name]) == 1 and (text := _other_axis(axis, *around[name][0])):
             yield ("joints", around[name][0][0], "axis"), text.format(wheel=name)
+
+
+def _beside(values, kinds, wheels):
+    """Yield (path, text) on wheels at the held node of their bearing, while nothing else is at the other one."""
+    if not wheels:
+        return
+    body = bodies(values, kinds, turning_together)
+    connected: Counter[str] = Counter()
+    for section in SECTIONS[:2]:
+        for name, d in values[section].items():
+            names = own_nodes(kinds[d["type"]], d)
+            if name not in wheels and len(ends := body(names) if len(names) > 1 else ()) > 1:
+                connected.update(ends)
+    for name, (node, axis) in wheels.items():
+        (own,) = body([node])
+        for joint, d in values["joints"].items():
+            if kinds[d["type"]].turns != FREELY or node not in d["nodes"] or not are_parallel(axis, d["axis"], APART):
+                continue
+            other = d["nodes"][d["nodes"].index(node) - 1]
+            held = connected[own] > 1 or body([node]) == body([GROUND])
+            taken = any(body([other]) == body([hub]) for hub, _ in wheels.values())
+            if held and other != GROUND and connected[next(iter(body([other])))] == 1 and not taken:
+                text = f"{d['type']} '{joint}' lets node '{other}' spin, and nothing is on it: is the wheel meant to be"
+                yield ("elements", name), f"{values['elements'][name]['type']} '{name}': {text} there, not on '{node}'?"
 
 
 def _wheels(values, kinds):

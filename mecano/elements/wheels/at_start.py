@@ -13,6 +13,7 @@ from mecano.laws.probe import curve_at
 BACKWARD = 1.0  # m/s: slower motions have no direction of their own
 SIDEWARD = 5.0  # times the speed ahead or back: an angle of drift of 79 degrees
 DEEP = 0.2  # of the radius; tyres stand at 0.05 to 0.12
+PRESSING = 0.5  # of gravity, along the normal of the ground: less on slopes of more than 60 degrees
 
 
 def start_warnings(d, nodes):
@@ -20,7 +21,7 @@ def start_warnings(d, nodes):
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
-    backward = () if ground.get("motion") else _astray(d, normal, axis, node.v)
+    backward = () if ground.get("motion") else _astray(d, normal, axis, node.v) or _spinning(d, normal, axis, node)
     deep = _deep(d, *tread_above(d, ground_of(d), node.x, axis))
     return [*_falls_off(node.gravity, normal), *backward, *deep]
 
@@ -39,31 +40,46 @@ def start_warnings_on_body(d, nodes):
 
 
 def _falls_off(gravity, normal):
-    """Yield a warning about gravity that points away from the ground."""
+    """Yield a warning about gravity that points away from the ground, or along it."""
+    ground = f"its ground, whose normal {_vector(normal)} points to the side of the wheel; is"
     if gravity @ normal > 0.0:
-        yield (
-            f"'gravity' {_vector(gravity)} pulls it off its ground, whose normal {_vector(normal)} points to the side "
-            "of the wheel; is a sign wrong?"
-        )
+        yield f"'gravity' {_vector(gravity)} pulls it off {ground} a sign wrong?"
+    elif -gravity @ normal < PRESSING * np.linalg.norm(gravity):
+        yield f"'gravity' {_vector(gravity)} hardly presses it onto {ground} another axis meant?"
+
+
+def _spinning(d, normal, axis, node):
+    """Return warnings about a wheel that rolls forward, and spins backward.
+
+    Wheels that do not spin are those of an aircraft that lands.
+    """
+    along, spin = node.v @ unit(np.cross(axis, normal)), node.w @ axis
+    rolling = along / d["tire_law"]["radius"]
+    if along < BACKWARD or spin > -0.5 * rolling:
+        return []
+    return [
+        f"it starts forward, at {along:.4g} m/s, but spins backward, at {-spin:.4g} rad/s about {_vector(-axis)}: "
+        f"it rolls at {rolling:.4g} rad/s about {_vector(axis)}; is a sign wrong?"
+    ]
 
 
 def _astray(d, normal, axis, velocity):
-    """Yield a warning about a wheel that moves mainly against or across its driving direction t = a x n/|a x n|."""
+    """Return warnings about a wheel that moves mainly against or across its driving direction t = a x n/|a x n|."""
     ahead = unit(np.cross(axis, normal))
     along, across = velocity @ ahead, velocity @ np.cross(normal, ahead)
     if abs(across) > max(BACKWARD, SIDEWARD * abs(along)):
-        yield (
+        return [
             f"it starts sideward, at {abs(across):.4g} m/s across its forward direction {_vector(ahead)}, which is "
             "'axis' x normal of the ground: it slides"
-        )
+        ]
     if along > -max(BACKWARD, abs(across)):
-        return
+        return []
     turned = "[" + ", ".join(f"{-component + 0.0:g}" for component in d["axis"]) + "]"
-    yield (
+    return [
         f"it starts backward, at {-along:.4g} m/s against its forward direction {_vector(ahead)}, which is 'axis' x "
         "normal of the ground: slip, spin rate and drag have the signs of a wheel in reverse"
         f"{_one_way(d['tire_law'])}; with 'axis: {turned}' it rolls forward"
-    )
+    ]
 
 
 def _one_way(law):
