@@ -59,6 +59,9 @@ def test_negative_stiffness_and_damping():
         ("2 - pin.rate", "0", "'value' is the formula '2 - pin.rate'; a moment or an energy [N m] is expected"),
         ("2", "min(bob.position.x, 1)", "'natural_angle' is the formula 'min(bob.position.x, 1)'; an angle [rad] is"),
         ("pin.angle + speed", "0", "the formula 'pin.angle + speed' adds or compares rad and rad/s"),
+        ("9*(7 - pin.angle)", "0", "'9*(7 - pin.angle)' adds 7 to an angle or compares both: it is 7 rad, more than a"),
+        ("max(30, pin.angle)", "0", "'max(30, pin.angle)' adds 30 to an angle or compares both: it is 30 rad"),
+        ("30*pin.angle - 6", "0", ""), ("9*(6.28 - pin.angle)", "0", ""),
         ("torque", "min(pin.angle, 2*pin.rate)", ""), ("torque", "pin.angle + sin(pin.angle)", ""),
         ("torque", "pin.angle",  ""), ("3*speed", "tanh(speed)", ""), ("2 + time", "1 + time", ""),
     ],
@@ -95,6 +98,12 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
             "solar_array",
             "joints.hinge1.natural_angle=110",
             "hinge 'hinge1': 'natural_angle' is 110 rad, more than a turn",
+        ),
+        (
+            "flexible_pendulum",
+            "joints.hinge={type: hinge, nodes: [ground, pin], axis: [0, 1, 0], turning_law: {spring: 1}, "
+            "natural_angle: {sine: {amplitude: 20, frequency: 1}}}",
+            "hinge 'hinge': 'natural_angle' is 20 rad, more than a turn",
         ),
         ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
         ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),

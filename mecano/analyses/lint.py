@@ -55,8 +55,15 @@ def _other_units(deck, model):
 
 
 def _unit_warnings(deck, model):
-    """Yield warnings about formulas that add or compare different quantities."""
-    for text, first, second in unlike_sums(model, deck.formulas):
+    """Yield warnings about formulas that add or compare different quantities, or angles with degrees."""
+    unlike, degrees = unlike_sums(model, deck.formulas)
+    for text, number in degrees:
+        yield Problem(
+            f"the formula '{text}' adds {number:g} to an angle or compares both: it is {number:g} rad, more than a "
+            f"turn; is this intended? Degrees are written as {number:g}*pi/180, or as a parameter with the unit deg",
+            deck.formulas[text],
+        )
+    for text, first, second in unlike:
         if "-" not in (first, second) and not alike(f"1 {first}", f"1 {second}"):
             yield Problem(f"the formula '{text}' adds or compares {first} and {second}", deck.formulas[text])
 

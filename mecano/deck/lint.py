@@ -32,6 +32,7 @@ SUSPECT = {  # term of a law: the quantity that may be negative, its value, the 
     "linear": ("slope", lambda values: values["slope"], PUSHES),
     "damper_polynomial": ("coefficients[1]", lambda values: sum(values["coefficients"][1:2]), DRIVES),
 }
+LEVELS = {"constant": ("value",), "sine": ("amplitude",), "step": ("from", "to"), "ramp": ("from", "to")}
 MOST_NAMES = 3
 MEANT_DEGREES = "is {0:g} rad, more than a turn; is this intended? Degrees are written as '{0:g} deg'"
 MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one means, other units and their largest values
@@ -237,8 +238,10 @@ def _angles(fields, values):
 
 
 def _constants(value):
-    """Return the constant terms of a law, or the value itself."""
-    return [term["value"] for kind, term in value if kind == "constant"] if isinstance(value, tuple) else [value]
+    """Return the constant terms of a law, the amplitudes of sines and the ends of edges in it; or the value itself."""
+    if not isinstance(value, tuple):
+        return [value]
+    return [term[name] for kind, term in value for name in LEVELS.get(kind, ())]
 
 
 def _is_half(number):

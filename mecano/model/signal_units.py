@@ -4,6 +4,7 @@ A signal that is the value of a load has the unit of this load, and so has the i
 signal that is added to or compared with a quantity has the unit of that quantity.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
@@ -84,12 +85,22 @@ def drives_with_units(model: "Model") -> "Iterator[tuple[Element, Field, str, st
                 yield element, field, text, unit
 
 
-def unlike_sums(model: "Model", formulas: Iterable[str]) -> Iterator[tuple[str, str, str]]:
-    """Yield (formula, unit, other unit) of the ``formulas`` (texts) that add or compare quantities of two units."""
+def unlike_sums(model: "Model", formulas: Iterable[str]) -> tuple[list[tuple[str, str, str]], list[tuple[str, float]]]:
+    """Return what the ``formulas`` (texts) add or compare: quantities of two units, and angles with large numbers.
+
+    These are (formula, unit, other unit), and (formula, number) of whole or half numbers beyond a turn, which look like
+    degrees.
+    """
     units = _Units(model)
     for text in formulas:
         units.of_formula(text)
-        yield from ((text, *pair) for pair in units.unlike[text])
+    pairs = [(text, *pair) for text in formulas for pair in units.unlike[text]]
+    return pairs, [(text, number) for text in formulas for number in units.degrees[text]]
+
+
+def looks_like_degrees(angle: float) -> bool:
+    """Return whether an angle [rad] is more than a turn, in whole or half numbers."""
+    return abs(angle) > 2.0 * math.pi and (2.0 * angle).is_integer()
 
 
 def _signals(model):
@@ -114,6 +125,7 @@ class _Units:
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found: dict[str, str] = {}  # units by signal
         self.unlike: dict[str, list[tuple[str, str]]] = {}  # pairs of units that a formula adds or compares
+        self.degrees: dict[str, list[float]] = {}  # numbers that a formula adds to or compares with an angle
         self.used: dict[str, str] = {}  # units by signal, of fields whose value it is, and of its comparisons
         for element in model.elements:
             for field, text in _drives(element.kind.fields, element.values):
@@ -163,7 +175,7 @@ class _Units:
 
         A number that is a factor may have any unit, and so may the product.
         """
-        formula, stack, self.unlike[text] = read_formula(text), [], []
+        formula, stack, self.unlike[text], self.degrees[text] = read_formula(text), [], [], []
         for i, (code, x) in enumerate(formula.program):
             if code in (NUMBER, INPUT, TIME):
                 stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
@@ -185,6 +197,8 @@ class _Units:
         before = formula.program[:i][::-1]  # the last number stands before the step, the other before that
         for unit, other, place in ((second, first, 0), (first, second, 1)):
             alone = place < len(before) and all(code < NEGATIVE for code, _ in before[: place + 1])
+            if unit == ANY and other == "rad" and alone and looks_like_degrees(before[place][1]):
+                self.degrees[formula.text].append(before[place][1])
             if unit == UNKNOWN and other not in (ANY, UNKNOWN) and alone and before[place][0] == INPUT:
                 self._use(formula.references[int(before[place][1])], other)
 
