@@ -60,7 +60,7 @@ def test_negative_stiffness_and_damping():
         ("2", "min(bob.position.x, 1)", "'natural_angle' is the formula 'min(bob.position.x, 1)'; an angle [rad] is"),
         ("pin.angle + speed", "0", "the formula 'pin.angle + speed' adds or compares rad and rad/s"),
         ("9*(7 - pin.angle)", "0", "'9*(7 - pin.angle)' adds 7 to an angle or compares both: it is 7 rad, more than a"),
-        ("max(30, pin.angle)", "0", "'max(30, pin.angle)' adds 30 to an angle or compares both: it is 30 rad"),
+        ("9*max(30, pin.angle)", "0", "'9*max(30, pin.angle)' adds 30 to an angle or compares both: it is 30 rad"),
         ("30*pin.angle - 6", "0", ""), ("9*(6.28 - pin.angle)", "0", ""),
         ("torque", "min(pin.angle, 2*pin.rate)", ""), ("torque", "pin.angle + sin(pin.angle)", ""),
         ("torque", "pin.angle",  ""), ("3*speed", "tanh(speed)", ""), ("2 + time", "1 + time", ""),
