@@ -99,11 +99,18 @@ def _wrapping(deck):
             yield from ((section, name, d["type"], one.name) for one in KINDS[d["type"]].outputs if one.wraps)
 
 
-def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
-    """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
+def energy_warnings(
+    values: "Values", sampler: "Sampler", extremes: "Extremes", length: float, mass: float
+) -> Iterator[str]:
+    """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck.
+
+    The energy of the ``mass`` [kg] of the model that moves by the rounding of its ``length`` [m] in a step does not
+    count, as that of a mechanism at rest.
+    """
+    rounding = mass * (ROUNDED_POSITIONS * length / values["step"]) ** 2
     ranges, balance = energy_ranges(sampler, extremes), sampler.starts["energy/balance"]
     off, (compared, scale) = np.ptp(ranges["balance"]), scale_of_balance(ranges)
-    if not off > max(UNBALANCED * scale, NOISE * np.abs([ranges[name] for name in EXCHANGED]).max()):
+    if not off > max(UNBALANCED * scale, NOISE * np.abs([ranges[name] for name in EXCHANGED]).max(), rounding):
         return
     first, last = extremes.high_time[balance], extremes.low_time[balance]
     what = "Integration error creates energy"

@@ -362,16 +362,16 @@ class Ongoing:
         warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases)
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
-        warnings += energy_warnings(values, sampler, extremes)
+        length, mass = integrator.method.length, mass_of(integrator.system)
+        warnings += energy_warnings(values, sampler, extremes, length, mass)
         warnings += unstable_turning_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
-        length = integrator.method.length
         warnings += undeveloped_friction_warnings(deck, sampler, extremes, length)
         if integrator.method.order == 2:
             warnings += yielding_warnings(integrator.system, self.state.compliance, length, sampler, extremes)
         return [
             *warnings,
-            *oscillation_warnings(values, sampler, recorder.ringing, extremes, length, mass_of(integrator.system)),
+            *oscillation_warnings(values, sampler, recorder.ringing, extremes, length, mass),
         ]
 
     def leave(self) -> None:
