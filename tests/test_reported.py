@@ -179,6 +179,9 @@ def test_rounding_is_not_listed_as_motion():
     """The end of a shaft stays on its axis, but for rounding: only its turning is motion."""
     said = flowing(summary(deck_of_bytes(SHAFT, "shaft.yaml")))
     assert "at rest: node 'bearing' by 10 rad/s; node 'end' by 10 rad/s" in said, said
+    for rate, listed in (("1.0e-60", False), ("1.0e-14", True)):  # the first is the rounding of a spline that begins
+        said = summary(deck_of_bytes(SHAFT.replace(b"10*", f"{rate}*".encode()), "shaft.yaml"))
+        assert ("at start" in said) == listed
 
 
 ROTOR = b"""

@@ -79,8 +79,11 @@ def _velocities(system, s):
 def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> str:
     """Describe the nodes, not named in ``initial.velocities``, that the constraints set in motion; "" if none.
 
-    Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
+    Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives; one that
+    would move nothing by more than the rounding of positions until the end is at rest.
     """
+    time = deck.values["time"]
+    still = ROUNDING / (time["end"] - time["start"])  # 1/s
     of, named = system.numbering, requested_velocities(deck, system)[2]
     quiet = np.array([node.internal for node in system.nodes])
     motions = [
@@ -90,9 +93,10 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
         )
     ]
     found = []
-    for (first, change, fastest, unit), least in zip(motions, _rounding([m[2] for m in motions], length), strict=True):
+    rounding = _rounding([m[2] for m in motions], length)
+    for (first, change, fastest, unit), least, size in zip(motions, rounding, (length, 1.0), strict=True):
         wanted = np.isin(first, first[named])  # of a named node, or of one that shares its unknowns
-        moved = (change > max(NOTICED * fastest, least)) & ~quiet & ~wanted
+        moved = (change > max(NOTICED * fastest, least, still * size)) & ~quiet & ~wanted
         found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
         quiet |= moved
     return name_list(found, MOST_NAMES, "; ")
