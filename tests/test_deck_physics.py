@@ -251,7 +251,12 @@ def test_a_latch_lies_before_the_stops():
     ("value", "words", "hint"),
     [
         ("{type: sine, amplitude: 1}", "a law has no 'type'", "write {sine: {...}}"),
-        ("[{linear: {slope: 1}}]", "a law is a mapping of terms, not a list", "such as {linear: {slope: 2.0}}"),
+        (
+            "[{linear: {slope: 1}}, 3]",
+            "each item of a law that is a list is a mapping",
+            "{linear: {slope: 2.0}}, {...}]",
+        ),
+        ("[{step: {time: 0, rise: 1, from: 0, to: 1}}, {stp: {}}]", "unknown term 'value.stp' of a law", "'step'"),
     ],
 )
 def test_errors_in_laws_show_how_laws_are_written(value, words, hint):

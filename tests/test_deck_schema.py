@@ -59,6 +59,7 @@ WRONG = [  # a deck, what is written in it, what instead, where the schema sees 
     (PENDULUM, "mass: 1.0", "mass: heavy", "elements.bar.mass"),
     (PENDULUM, "{position: [0, 0, 0]}", "{}", "nodes.pin"),
     (GEAR, "gas_spring:", "gas_sprung:", "laws.oleo"),
+    (PENDULUM, "nodes:", "laws: {two: [{step: {time: 0, rise: 1, from: 0, to: 1, by: 2}}]}\nnodes:", "laws.two"),
     (GEAR, "section: arm}", "section: 3}", "elements.arm_front.section"),
     (GEAR, "type: tube,", "type: tub,", "sections.leg.type"),
     (GEAR, "radius: 0.3225", "radius: [1]", "tire_laws.nose_tire.radius"),
@@ -72,6 +73,11 @@ def test_wrong_decks_do_not_fit(validator, deck, old, new, place):
     assert old in deck and errors(validator, deck) == []
     found = errors(validator, deck.replace(old, new, 1))
     assert any(path == place or path.startswith(f"{place}.") for path, _ in found), found
+
+
+def test_a_sum_of_terms_of_one_name_fits(validator):
+    step = "{step: {time: 0, rise: 1, from: 0, to: 1}}"
+    assert errors(validator, PENDULUM + f"laws: {{two: [{step}, {step}], one: {step}}}\n") == []
 
 
 def test_copies_fit(validator):

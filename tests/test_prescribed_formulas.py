@@ -113,11 +113,13 @@ def test_signals_of_time_prescribe_motions(prescribed, value, signals, output, l
         ("command", "command: {type: lag, input: time, time_constant: 0.1}", "of time alone: 'command' is a lag"),
         ("0.5*b.displacement", "x: 1", "'b.displacement' depends on the motion"),
         ("one", "one: 2*two, two: 1 + one/3", "the signal 'one' depends on itself"),
-        ("abs(time - 0.5)", "x: 1", "'abs' has a corner: its rates jump"),
+        ("abs(time - 0.5)", "x: 1", "'abs' has a corner: its rates jump; a prescribed motion needs "
+         "the second rate of its value; write step(time, a, b), which rises smoothly from 0 to 1"),
         ("one", "one: b.velocity", "'b.velocity' depends on the motion"),
         ("*".join(["sin(time)"] * 20), "x: 1", "it is too long a formula: give a table of its values"),
         ("s", "s: {type: curve, input: time**2, law: {linear: {slope: 1}}}", "'s' is a curve, of another input than a"),
-        ("2*s", "s: {type: curve, input: time, law: {linear: {slope: 1}}}", "the curve 's' can be the whole"),
+        ("2*s", "s: {type: curve, input: time, law: {linear: {slope: 1}}}", "the curve 's' can be the whole value, but "
+         "no part of a formula: write the motion as one law, a list of terms such as [{step: {...}}, {step: {...}}]"),
         ("s0", ", ".join(f"s{i}: (s{i + 1} + s{i + 1})*(s{i + 1} - 2)" for i in range(12)) + ", s12: sin(time)",
          "it is too long a formula"),
     ],
@@ -127,7 +129,7 @@ def test_what_prescribes_no_motion(value, signals, message):
         _deck(ANGLE, value, signals)
     text = error.value.problems[0].message
     assert message in text
-    remedied = message.startswith(("the signal", "the curve", "it is too long"))
+    remedied = message.startswith(("the signal", "the curve", "it is too long", "'abs' has"))
     assert remedied or "use a spring or a law of the joint with this set point" in text
 
 

@@ -39,6 +39,7 @@ LAWS = [
     "  laws:",
     "    rising: {polynomial: {coefficients: [0, 0, 60]}}                        # 60 s^2",
     "    strut: {spring: {stiffness: 2.0e4}, damper: {coefficient: 300}}         # terms add up",
+    "    two: [{bump: {start: 5, length: 1, height: 0.04}}, {bump: {start: 9, length: 1, height: 0.04}}]",
     "",
     "  value: rising                                   # the name of a law, in a field that takes one",
     "  value: {linear: {slope: 2.0}}                   # the same written in place",

@@ -69,7 +69,9 @@ def _plain(value, names):
 
 def _written(value, names):
     if isinstance(value, tuple):
-        return {term: _written(values, names) for term, values in value}
+        terms = [{term: _written(values, names)} for term, values in value]
+        once = {key: term for mapping in terms for key, term in mapping.items()}
+        return once if len(once) == len(terms) else terms
     if isinstance(value, list):
         return [_plain(item, names) for item in value]
     if isinstance(value, dict):

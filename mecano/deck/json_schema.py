@@ -144,10 +144,12 @@ def _shorthand(type_):
 
 def _law():
     terms = {name: {"$ref": f"#/definitions/term {name}"} for name in TERMS}
-    return {
+    mapping = {
         "type": "object", "description": "a sum of terms", "minProperties": 1, "additionalProperties": False,
         "properties": {**terms, "repeat": {"$ref": "#/definitions/repeat"}},
     }  # fmt: skip
+    several = {"type": "array", "description": "a sum of terms, some of one name", "minItems": 1, "items": mapping}
+    return {"if": {"type": "array"}, "then": several, "else": mapping}
 
 
 def _term(term):

@@ -34,7 +34,7 @@ def check_named_laws(root: "Node", scope: "Scope") -> None:
 
 def _check(node, use, unit, scope):
     """Check a law as if it were written in the place of its ``use``, whose value has the ``unit``."""
-    if type(node.value) is dict:
+    if type(node.value) in (dict, list):
         law(node, use, scope)
     elif unit:
         number(node, replace(use, type=NUMBER, unit=unit, check=None), scope)

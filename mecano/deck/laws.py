@@ -1,4 +1,4 @@
-"""Checks of laws: a number, a name or a mapping of terms; tables may come from CSV files."""
+"""Checks of laws: a number, a name, a mapping of terms or a list of such; tables may come from CSV files."""
 
 import re
 from dataclasses import replace
@@ -30,7 +30,7 @@ POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in t
 
 def law_or_name(node: Node, field: Field, scope: Scope) -> Law | Reference | Invalid:
     """Return a law as a tuple of (term, {field: value}); a name gives a Reference, a number the constant curve."""
-    if type(node.value) is dict:
+    if type(node.value) is dict or _is_sum(node):
         return law(node, field, scope)
     value = plain_number(node, field, scope)
     if value is INVALID:
@@ -40,8 +40,6 @@ def law_or_name(node: Node, field: Field, scope: Scope) -> Law | Reference | Inv
         return INVALID if value is INVALID else (("constant", {"value": value}),)
     if type(node.value) is str and IDENTIFIER.fullmatch(node.value):
         return Reference(node.value, "laws", field.type.name, node, scope.subject, use=field)
-    if type(node.value) is list and any(type(item.value) is dict for item in node.value):
-        return scope.refuse(node, "a law is a mapping of terms, not a list", f"write {HOW}; terms add up")
     hint = (
         f"write {{spring: {node.raw}}}, if it is a stiffness" if value is not None and "spring" in scope.terms else ""
     )
@@ -54,8 +52,16 @@ def law_in_place(node: Node, field: Field, scope: Scope) -> Law | Invalid:
     return scope.refuse_value(node, field) if isinstance(value, Reference) else value
 
 
+def _is_sum(node):
+    """Return whether a node is a list of mappings of terms, with which a law may have several terms of one name."""
+    return type(node.value) is list and any(type(item.value) is dict for item in node.value)
+
+
 def law(node: Node, field: Field, scope: Scope) -> Law | Invalid:
-    """Return the terms of a mapping."""
+    """Return the terms of a mapping, or of all mappings of a list."""
+    if _is_sum(node):
+        parts = [_part(item, field, scope) for item in node.value]
+        return INVALID if INVALID in parts else tuple(term for part in parts for term in part)
     if not node.value:
         return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
     if "type" in node.value:
@@ -68,6 +74,13 @@ def law(node: Node, field: Field, scope: Scope) -> Law | Invalid:
     if field.name:
         scope.path.pop()
     return INVALID if any(values is INVALID for _, values in terms) else terms
+
+
+def _part(node, field, scope):
+    """Return the terms of an item of a list."""
+    if type(node.value) is dict:
+        return law(node, field, scope)
+    return scope.refuse(node, "each item of a law that is a list is a mapping of terms", f"write [{HOW}, {{...}}]")
 
 
 def _term(name, key, node, field, scope):

@@ -16,6 +16,10 @@ INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
     "force or a moment with a controller, or a coupler of joints"
 )
+SMOOTH = (
+    "a prescribed motion needs the second rate of its value; write step(time, a, b), which rises smoothly from 0 to 1, "
+    "or a law of time with smooth edges"
+)
 
 
 def put_curves_of_time(signals: "dict[str, Values]", sloping: Container[str]) -> None:
@@ -53,7 +57,7 @@ def motion_of(text: str, signals: "Mapping[str, Values]") -> "Law | str":
     try:
         with_rates(found)
     except FormulaError as error:
-        raise NotAMotion(TOO_LONG if error.message == TOO_LONG else f"{error.message}; {INSTEAD}") from None
+        raise NotAMotion(TOO_LONG if error.message == TOO_LONG else f"{error.message}; {SMOOTH}") from None
     return found
 
 
@@ -66,8 +70,8 @@ def _of_time(text, signals, outer):
             raise NotAMotion(f"the signal {quoted(signal)} depends on itself")
         if d is not None and d["type"] == "curve" and d["input"].strip() == "time":
             raise NotAMotion(
-                f"the curve {quoted(name)} can be the whole value, but no part of a formula: write its law as a "
-                "formula of the time there"
+                f"the curve {quoted(name)} can be the whole value, but no part of a formula: write the motion as one "
+                "law, a list of terms such as [{step: {...}}, {step: {...}}], or as a formula of the time"
             )
         if d is None or d["type"] != "formula":
             of_signal = signal.partition(".")[0] in signals

@@ -80,7 +80,7 @@ def _of_call(name, arguments):
     if name in STEPS:
         return _times(f"{STEPS[name]}({', '.join(texts)})", _rate(share_of_edge(*arguments)))
     if name not in BINARY:
-        raise FormulaError(f"'{name}' has a corner: its rates jump; step(time, a, b) is a smooth rise from 0 to 1")
+        raise FormulaError(f"'{name}' has a corner: its rates jump")
     (a, b), (u, v) = texts, rates
     if name == "atan2":
         return _times(f"1/(({a})**2 + ({b})**2)", _plus(_times(u, b), _times(f"-({a})", v)))
