@@ -671,6 +671,10 @@ class TestCommand:
             (["--output", "weight.position.z +"], "it cannot be understood"),
             (["--output", "2*time"], "it depends on nothing that moves"),
             (["--output", "weight.position.z", "--input", "shakr.value"], "did you mean shaker.value"),
+            (
+                ["--output", "weight.position.z", "--input", "spring.natural_length"],
+                "spring_damper 'spring' has no 'natural_length' in the deck; give it one [m]: length at",
+            ),
             (["--output", "weight.position.z", "--input", "shaker.value"], "the input shaker.value is given twice"),
             (
                 ["--output", "weight.position.z", "--from", "-1"],

@@ -103,6 +103,8 @@ def _law_as_signal(deck, name, signal, channel):
                 f"{channel} {name}: a ground does not move; stand wheels on plates (wheel_on_body), prescribe the "
                 "heights of these by signals (prescribed_position), and give the signals as inputs"
             )
+        if text := _absent_field(deck, name):
+            raise UsageError(f"{channel} {name}: {text}")
         raise unknown(channel, name, [*deck.values["signals"], *known], _no_inputs_hint(deck, known))
     path, declared, value = known[name]
     if declared.type == MOTION:
@@ -114,6 +116,18 @@ def _law_as_signal(deck, name, signal, channel):
         own = {"type": "formula", "value": value}
     signals = {**deck.values["signals"], signal: {**own, "unit": None}}
     return replace(deck, values={**deck.values, "signals": signals}), Input(name, declared.unit, signal)
+
+
+def _absent_field(deck, name):
+    """Return what to do about a function of time that an element or joint may have, and does not have in the deck."""
+    for section in SECTIONS:
+        owner, _, field = name.removeprefix(f"{section}.").partition(".")
+        d = deck.values[section].get(owner)
+        fields = {one.name: one for one in (KINDS[d["type"]].fields if d else ()) if one.type.name == "drive"}
+        if field in fields:
+            what = f"{d['type']} '{owner}' has no '{field}' in the deck"
+            return f"{what}; give it one [{fields[field].unit}]: {fields[field].doc}"
+    return ""
 
 
 def _no_inputs_hint(deck, known):
