@@ -672,8 +672,15 @@ class TestCommand:
             (["--output", "2*time"], "it depends on nothing that moves"),
             (["--output", "weight.position.z", "--input", "shakr.value"], "did you mean shaker.value"),
             (
-                ["--output", "weight.position.z", "--input", "spring.natural_length"],
-                "spring_damper 'spring' has no 'natural_length' in the deck; give it one [m]: length at",
+                [
+                    "--output",
+                    "weight.position.z",
+                    "--input",
+                    "isolator.natural_length",
+                    "--set",
+                    "elements.isolator.natural_length=null",
+                ],
+                "spring_damper 'isolator' has no 'natural_length' in the deck; give it one [m]: length at",
             ),
             (["--output", "weight.position.z", "--input", "shaker.value"], "the input shaker.value is given twice"),
             (
