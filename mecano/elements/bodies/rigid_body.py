@@ -109,10 +109,15 @@ RIGID_BODY = Kind(
     fields=(
         Field("node", NODE, "-", "node that carries the body"),
         Field("mass", NUMBER, "kg", "mass", check=positive),
-        Field("inertia", INERTIA, "kg m2", "inertia about the centre of mass, in the axes of the node"),
+        Field(
+            "inertia",
+            INERTIA,
+            "kg m2",
+            "inertia about the centre of mass, in the axes of the node; xy, of the tensor, is minus the sum of x y dm",
+        ),
         Field("center_of_mass", NODE_VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0,) * 3),
         Field("attached", NODES, "-", "further nodes that move with the body, of any orientation", ()),
-    ),
+    ),  # fmt: skip
     outputs=(
         Output("center_of_mass", "m", "position of the centre of mass, inertial", (3,), rate="velocity"),
         Output("velocity", "m/s", "velocity of the centre of mass, inertial", (3,)),
