@@ -519,6 +519,13 @@ class TestCatalogue:
             *KINDS, *TERMS, *SHAPES, *SLIP_LAWS, *(field.name for field in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT))
         }  # fmt: skip
 
+    def test_list_names_one_group(self, call):
+        code, out, _ = call("list", "laws")
+        listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
+        assert code == 0 and listed == {*TERMS, *SLIP_LAWS}
+        code, _, err = call("list", "lows")
+        assert code == 2 and "there is no list of 'lows'; there are lists of elements; joints; loads" in err
+
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
     def test_explain_lists_all_fields_and_outputs(self, call, name):
         code, out, _ = call("explain", name)

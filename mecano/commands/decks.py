@@ -34,11 +34,15 @@ def check(deck: str, overrides: tuple[str, ...], every: bool, quiet: bool) -> No
 
 @click.command(name="list", short_help="List what a deck can contain.")
 @plugins
-def list_() -> None:
-    """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
+@click.argument("group", default="")
+def list_(group: str) -> None:
+    """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck.
+
+    With a GROUP, such as joints or laws, only these.
+    """
     from mecano.deck.catalogue import catalogue
 
-    show(catalogue())
+    show(catalogue(group))
 
 
 @click.command(short_help="Explain a kind, a term of a law or a section of a deck.")

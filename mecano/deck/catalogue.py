@@ -78,8 +78,11 @@ UNITS_TEXT = "\n".join([
 ])  # fmt: skip
 
 
-def catalogue() -> str:
-    """Return the text of `mecano list`: all kinds by section, all terms of laws, all sections, each with a summary."""
+def catalogue(word: str = "") -> str:
+    """Return the text of `mecano list`: all kinds by section, all terms of laws, all sections, each with a summary.
+
+    With a ``word``, such as "joints" or "laws", only the groups whose title has it. Raises UsageError if none has.
+    """
     groups: dict[str, list[tuple[str, str]]] = {f"{kind.section}:": [] for kind in KINDS.values()}
     for kind in KINDS.values():
         groups[f"{kind.section}:"].append((kind.name, kind.doc))
@@ -89,6 +92,10 @@ def catalogue() -> str:
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
     groups["to compose decks:"] = [(field.name, field.doc) for field in (*EXPANDED_SECTIONS, REPEAT)]
+    titles = [title.rstrip(":") for title in groups]
+    groups = {title: entries for title, entries in groups.items() if word.lower() in title}
+    if not groups:
+        raise UsageError(f"there is no list of {quoted(word)}; there are lists of {'; '.join(titles)}")
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
     for title, entries in groups.items():
