@@ -508,6 +508,20 @@ def test_limits_that_do_not_fit_are_refused(folder, limits, place, message):
     assert reported.startswith(f"study.yaml:{place}") and message in reported, reported
 
 
+@pytest.mark.parametrize(
+    "limit, said", [("45", "write '45 deg', or '45 rad' if it is meant"), ("45 deg", ""), ("45 rad", ""), ("6", "")]
+)
+def test_a_limit_of_an_angle_that_looks_like_degrees_needs_a_unit(folder, limit, said):
+    (folder / "deck.yaml").write_text((INPUTS / "pendulum.yaml").read_text())
+    text = f"grid: {{time.end: [1]}}\noutputs: {{a: {{of: hinge.angle, take: max, at_most: {limit}}}}}"
+    if not said:
+        try_deck(study(folder, text))
+        return
+    with pytest.raises(DeckError, match="'at_most' is 45 rad, more than a turn, as the output is an angle") as info:
+        try_deck(study(folder, text))
+    assert said in deck_error_text(info.value)
+
+
 @pytest.mark.parametrize("low, high", [(None, 5.0), (3.0, None), (None, None)])
 def test_a_missing_output_is_not_within_limits(low, high):
     output = Output("way", "ball.position.x", None, "final", low, high)

@@ -126,7 +126,7 @@ def checked_outputs(
 
 
 def _check_limits(node, unit, scope):
-    """Report limits that are quantities of another kind than the output, in ``unit``."""
+    """Report limits that are quantities of another kind than the output, in ``unit``, or look like degrees."""
     for name in ("at_least", "at_most"):
         limit = node.value[name][1] if name in node.value else None
         if limit is not None and is_quantity(limit.raw):
@@ -134,6 +134,16 @@ def _check_limits(node, unit, scope):
                 converted(limit.raw, unit or "-")
             except UnitError as error:
                 scope.refuse(limit, f"{quoted(name)}: {error}")
+        elif limit is not None and unit == "rad" and type(limit.value) in (int, float) and _is_large(limit.value):
+            text = f"{quoted(name)} is {limit.raw} rad, more than a turn, as the output is an angle"
+            scope.refuse(limit, text, f"write '{limit.raw} deg', or '{limit.raw} rad' if it is meant")
+
+
+def _is_large(angle):
+    """Return whether a number looks like degrees."""
+    from mecano.model.signal_units import looks_like_degrees
+
+    return looks_like_degrees(float(angle))
 
 
 def _checked_series(name, lookup, node, scope):
