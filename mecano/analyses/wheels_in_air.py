@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 AIR, TOUCH_DOWN = "air", "touch_down"  # phase and event of a wheel
+TOUCHING = 1e-5  # m: a rim at this height touches, and steady motion is found from there
 MOST_NAMED = 4
 
 
@@ -29,10 +30,11 @@ def heights_in_air(system: "System", s: "State") -> dict[str, float]:
 
 
 def unloaded_text(system: "System", start: "State") -> str:
-    """Return the lines on wheels without load at the ``start``, for an error; "" if all are loaded."""
+    """Return the lines on wheels that do not touch their grounds at the ``start``, for an error; "" if all do."""
     texts = [
         f"{name} carries no load at the start: lower it by {1e3 * height:.3g} mm and by the deformation of its tyre"
         for name, height in heights_in_air(system, start).items()
+        if height > TOUCHING
     ]
     return "".join(f"\n{text}" for text in texts)
 

@@ -46,9 +46,9 @@ class Straight:
     relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
     fading = 1.0  # additional factor on the drag in each step of the relaxation
     remedy = (
-        "initial positions nearer to it; a velocity along the road, which is flat at the start, in the forward "
-        "direction of the wheels; a force that balances the drag; wheels in balance about their axles (inertias are "
-        "given in the axes of the node)"
+        "initial positions nearer to it; stiffnesses in N/m, masses in kg; a velocity along the road, which is flat at "
+        "the start, in the forward direction of the wheels; a force that balances the drag; wheels in balance about "
+        "their axles (inertias are given in the axes of the node)"
     )
     remedy_for_constraints = remedy_for_forces = remedy
 
