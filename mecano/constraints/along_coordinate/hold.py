@@ -5,8 +5,8 @@ The motion is a law of time, or a formula of the time, whose two rates are formu
 The multiplier is the force, or the moment, along the coordinate. The difference between an angle and its target is
 reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
 
-The tangents are written by hand, here and in the coordinates: with dual numbers the deck n_four_bar takes 7 % more
-processor time, the start of the process included.
+The tangents are written by hand, here and in the coordinates: with dual numbers a step of the deck bricard takes 14 %
+more processor time, of double_pendulum 4 %.
 """
 
 from collections.abc import Callable
