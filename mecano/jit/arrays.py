@@ -12,6 +12,8 @@ from mecano.jit import memory
 from mecano.jit.aggregates import WORD, array_at
 from mecano.jit.array_object import DATA, SHAPE
 from mecano.jit.lanes import DUAL, Lanes, lanes_record
+from mecano.jit.memory import LANES
+from mecano.jit.symbols import splat
 
 
 def _load(builder, address, llvm_type=WORD):
@@ -54,6 +56,18 @@ type_callable(memory.lanes_items)(
     lambda context: lambda address, shape, dtype: _type_of_array(lanes_record(dtype.dtype.dtype), shape, aligned=False)
 )
 lower_builtin(memory.lanes_items, types.Any, types.Any, types.Any)(_generate_array)
+
+
+@lower_builtin(memory.in_lane, types.Any, types.Any)
+def _in_lane(context, builder, signature, arguments):
+    x, lane = map(context.cast, (builder, builder), arguments, signature.args, (types.float64, types.int64))
+    lanes = ir.Constant(ir.VectorType(WORD, LANES), list(range(LANES)))
+    there = builder.icmp_signed("==", lanes, splat(builder, lane))
+    x = splat(builder, x)
+    return builder.select(there, x, ir.Constant(x.type, None))
+
+
+type_callable(memory.in_lane)(lambda context: lambda x, lane: Lanes)
 
 
 def _register_number(function, numba_type, llvm_type):

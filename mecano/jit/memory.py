@@ -49,6 +49,11 @@ def lanes_dtype(dtype):
     )
 
 
+def in_lane(x, lane):
+    """Return a number of LANES elements, x in this lane (if there is such a lane) and zero in the others."""
+    raise RuntimeError("available in compiled code only")
+
+
 def word(address):
     """Return the int64 at ``address``."""
     raise RuntimeError("available in compiled code only")

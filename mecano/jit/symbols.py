@@ -115,9 +115,10 @@ def values_of(builder, numbers, many):
 
 def splat(builder, value):
     """Return the number of one element for LANES elements."""
+    of = ir.VectorType(value.type, LANES)
     if isinstance(value, ir.Constant):
-        return ir.Constant(NUMBERS, [value] * LANES)
-    unknown = ir.Constant(NUMBERS, ir.Undefined)
+        return ir.Constant(of, [value] * LANES)
+    unknown = ir.Constant(of, ir.Undefined)
     first = builder.insert_element(unknown, value, LANE(0))
     return builder.shuffle_vector(first, unknown, ir.Constant(ir.VectorType(LANE, LANES), None))
 

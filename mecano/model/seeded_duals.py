@@ -5,13 +5,12 @@ The arguments are those of gather_scatter.py.
 
 from mecano.element_interface import Place
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import LANES, duals, floats, integers, items
+from mecano.jit.memory import LANES, duals, floats, in_lane, integers, items
 from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, put_matrix, skew, vec
 from mecano.model.gather_scatter import gather_unknowns, memory_of, penalty_of, phase_of, rotations_of, work
 
-NUMBERS = 1 + LANES  # of a Dual: its value and its slopes along LANES local unknowns
-SIZE = 8 * NUMBERS
+SIZE = 8 * (1 + LANES)  # B, of a Dual: its value and its slopes along LANES local unknowns
 
 
 @kernel
@@ -20,14 +19,6 @@ def seeded(b):
     n, at, size = b.n_local, b.seeded, SIZE * b.n_local
     q, v, a = duals(at, n), duals(at + size, n), duals(at + 2 * size, n)
     return q, v, a, duals(at + 4 * size, (b.n_rotations, 3, 3))
-
-
-@kernel
-def slopes(b):
-    """Return the arrays of Duals for q, v, a, forces and rotations as numbers: of each its value, then its slopes."""
-    n, at, size = b.n_local, b.seeded, SIZE * b.n_local
-    q, v, a = floats(at, (n, NUMBERS)), floats(at + size, (n, NUMBERS)), floats(at + 2 * size, (n, NUMBERS))
-    return q, v, a, floats(at + 3 * size, (n, NUMBERS)), floats(at + 4 * size, (b.n_rotations, 3, 3, NUMBERS))
 
 
 @kernel
@@ -81,69 +72,51 @@ def gather_duals(b, s):
 
 @kernel
 def seed(b, s, first):
-    """Set forces to zero, and the slopes along LANES local unknowns from ``first`` on if columns are requested."""
-    f_1 = dual_forces(b)
-    for i in range(b.n_local):
-        f_1[i] = 0.0
-    if s.columns:
-        for j in range(first, min(first + LANES, b.n_local)):
-            put_seeds(b, s, j, 1 + j - first)
-
-
-@kernel
-def put_seeds(b, s, j, place):
-    """Set the slopes along the local unknown j, which are at a ``place`` of Duals.
+    """Set forces to zero, and the slopes along LANES local unknowns from ``first`` on if columns are requested.
 
     q_j varies by cK, v_j by cC, a_j by cM; a rotation by R hat(cK T_q), its rates by cC T_v, cM T_a (System.assemble).
     """
-    q_1, v_1, a_1, _, R_1 = slopes(b)
-    columns = integers(b.columns, b.n_rotations)
-    r = rotation_of(j, columns)
-    if r < 0:
+    f_1, columns = dual_forces(b), integers(b.columns, b.n_rotations)
+    q_1, v_1, a_1, R_1 = seeded(b)
+    for i in range(b.n_local):
+        f_1[i] = 0.0
+    if not s.columns:
+        return
+    for j in range(b.n_local):
         reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
-        q_1[j, place] = s.cK * (s.k if reaction else 1.0)
-        v_1[j, place] = s.cC
-        a_1[j, place] = s.cM
-    else:
-        T, first, at = floats(s.T, (3, s.n_rotations, 3, 3)), columns[r], rotations_of(b)[r]
-        R, c = mat(floats(b.R, (b.n_rotations, 3, 3))[r]), j - first
-        change = R @ skew(s.cK * Vec3(T[0, at, 0, c], T[0, at, 1, c], T[0, at, 2, c]))
+        q_1[j].slope = in_lane(s.cK * (s.k if reaction else 1.0), j - first)
+        v_1[j].slope = in_lane(s.cC, j - first)
+        a_1[j].slope = in_lane(s.cM, j - first)
+    T, R = floats(s.T, (3, s.n_rotations, 3, 3)), floats(b.R, (b.n_rotations, 3, 3))
+    for r in range(b.n_rotations):
+        at, start = rotations_of(b)[r], columns[r]
+        put_turned(R_1[r], mat(R[r]), s.cK * in_lanes(T[0, at], start - first))
+        v, a = in_lanes(T[1, at], start - first), in_lanes(T[2, at], start - first)
         for i in range(3):
-            for k in range(3):
-                R_1[r, i, k, place] = change[i][k]
-            v_1[first + i, place] = s.cC * T[1, at, i, c]
-            a_1[first + i, place] = s.cM * T[2, at, i, c]
+            q_1[start + i].slope = 0.0
+            v_1[start + i].slope = s.cC * v[i]
+            a_1[start + i].slope = s.cM * a[i]
+
+
+@kernel
+def in_lanes(T, lane):
+    """Return a vector with the columns of T (3, 3) in this lane and the two after it, as far as there are these."""
+    found = Vec3(in_lane(T[0, 0], lane), in_lane(T[1, 0], lane), in_lane(T[2, 0], lane))
+    for c in range(1, 3):
+        found = found + Vec3(in_lane(T[0, c], lane + c), in_lane(T[1, c], lane + c), in_lane(T[2, c], lane + c))
+    return found
 
 
 @kernel
 def add_columns(b, s, first, lag):
-    """Add LANES columns of the tangent of an element, the slopes of its forces, if requested; clear the seeds."""
+    """Add LANES columns of the tangent of an element, the slopes of its forces, if requested."""
     if not s.columns:
         return
-    n, f_1 = b.n_local, slopes(b)[3]
-    data_out, entries = floats(s.data, s.n_data), integers(b.entries, (b.n, n, n))[b.element]
+    n, data_out, size = b.n_local, floats(s.data, s.n_data), 1 + LANES
+    f_1, entries = floats(b.seeded + 3 * SIZE * n, (n, size)), integers(b.entries, (b.n, n, n))[b.element]
     for j in range(first, min(first + LANES, n)):
-        place = 1 + j - first
         for i in range(n):
-            data_out[entries[i, j]] += (lag if i >= n - b.n_multipliers else 1.0) * f_1[i, place]
-        clear_seeds(b, j, place)
-
-
-@kernel
-def clear_seeds(b, j, place):
-    """Set the slopes that ``put_seeds`` has set to zero."""
-    q_1, v_1, a_1, _, R_1 = slopes(b)
-    columns = integers(b.columns, b.n_rotations)
-    r = rotation_of(j, columns)
-    first, end = (columns[r], columns[r] + 3) if r >= 0 else (j, j + 1)
-    for i in range(first, end):
-        q_1[i, place] = 0.0
-        v_1[i, place] = 0.0
-        a_1[i, place] = 0.0
-    if r >= 0:
-        for i in range(3):
-            for k in range(3):
-                R_1[r, i, k, place] = 0.0
+            data_out[entries[i, j]] += (lag if i >= n - b.n_multipliers else 1.0) * f_1[i, 1 + j - first]
 
 
 @kernel
@@ -183,15 +156,6 @@ def put_derivatives(b, s):
         g_out[multipliers[b.element, i], 0] = g_1[i, 0].value
         g_out[multipliers[b.element, i], 1] = g_1[i, 1].value
         g_out[multipliers[b.element, i], 2] = g_1[i, 1].slope
-
-
-@kernel
-def rotation_of(j, columns):
-    """Return the index of the rotation to which the local unknown j belongs, or -1."""
-    for r in range(columns.shape[0]):
-        if columns[r] <= j < columns[r] + 3:
-            return r
-    return -1
 
 
 @kernel
