@@ -7,7 +7,7 @@ import pytest
 from process import flowing, mecano_process
 from time_runs import deck
 
-from mecano.analyses.bulk_data import read_cards
+from mecano.analyses.nastran_cards import read_cards
 from mecano.analyses.nastran_matrices import Units, import_matrices, matrices_of
 from mecano.analyses.reduction import reduce_part
 from mecano.errors import UsageError

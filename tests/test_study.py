@@ -44,13 +44,13 @@ from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
 from mecano.study.execution import clear, collect, due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
-from mecano.study.in_deck import values_in_deck
 from mecano.study.outputs import Output
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
 from mecano.study.table import Table
 from mecano.study.units import units_of
+from mecano.study.unvaried_values import unvaried_values
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
 BALL = """\
@@ -107,8 +107,8 @@ class TestCases:
         (folder / "deck.yaml").write_text(BALL.replace("{speed: 10}", "{speed: 36 km/h, twice: 2 * $speed}"))
         rows = "list: [{parameters.speed: 1, parameters.twice: 9}, {elements.ball.mass: 3, output.every: 1}]"
         left = {"parameters.speed": pytest.approx(10.0), "elements.ball.mass": 2.0}
-        assert values_in_deck(study(folder, rows)) == left
-        assert values_in_deck(study(folder, "grid: {parameters.speed: [1, 2]}")) == {}
+        assert unvaried_values(study(folder, rows)) == left
+        assert unvaried_values(study(folder, "grid: {parameters.speed: [1, 2]}")) == {}
 
     def test_a_hypercube_has_one_value_in_each_part_of_every_range(self, folder):
         text = "latin_hypercube: {{ranges: {{parameters.speed: [10, 20], time.end: [1, 2 s]}}, number: 8, seed: {}}}"

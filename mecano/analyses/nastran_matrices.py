@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.analyses.bulk_data import Card, read_cards
+from mecano.analyses.nastran_cards import Card, read_cards
 from mecano.analyses.reduction import boundary_held, new_file, write
 from mecano.elements.bodies.reduced_matrices import mass_moments, problems
 from mecano.errors import ResultsError, UsageError

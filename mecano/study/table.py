@@ -20,7 +20,7 @@ from mecano.results.study_file import (
     write_study,
 )  # fmt: skip
 from mecano.study.folder import COMPLETE, STATUSES, Folder, Record
-from mecano.study.in_deck import values_in_deck
+from mecano.study.unvaried_values import unvaried_values
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -88,7 +88,7 @@ class Table:
 
     def _columns(self):
         cases, records = self.study.cases, [self.records[case.number] for case in self.study.cases]
-        shown, unchanged = [case.shown for case in cases], values_in_deck(self.study)
+        shown, unchanged = [case.shown for case in cases], unvaried_values(self.study)
         yield column("case", "case", "", "number of the case, and name of its files", [case.number for case in cases])
         if any(case.name for case in cases):
             yield column("case", "name", "", "name of the case", [case.name for case in cases])

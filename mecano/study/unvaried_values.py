@@ -1,4 +1,4 @@
-"""Values of the deck that some cases of a study leave as they are."""
+"""Values of the deck that a study varies, but that some of its cases do not give."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mecano.study.read import Study
 
 
-def values_in_deck(study: "Study") -> dict[str, float | str]:
+def unvaried_values(study: "Study") -> dict[str, float | str]:
     """Return {path: value as in tables} of the varied values that some case does not give.
 
     Expressions are left out, because they may depend on values that vary, and so are entries of templates and includes.
