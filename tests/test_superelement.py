@@ -15,7 +15,7 @@ from mecano.deck.build import build, set_velocities
 from mecano.deck.read import deck_of_bytes
 from mecano.elements.bodies.reduced_matrices import buckling_load, first_clamped_frequency
 from mecano.elements.bodies.superelement import SUPERELEMENT
-from mecano.errors import AssemblyError, UsageError
+from mecano.errors import AssemblyError, DeckError, UsageError
 from mecano.model.system import System
 from mecano.post.mode_shapes import AMPLITUDE, mode_sketches
 from mecano.post.pictures import draw_alone
@@ -265,6 +265,16 @@ def test_spin_up():
     stretch = np.linalg.norm(x[-1]) - 10.0
     assert stretch == pytest.approx(1.2 * 36.0 * 1e3 / (3 * 2.8e7), rel=0.01)  # rho A w^2 L^3/(3 EA)
     assert not any(info.error > 1e9 for info in recorded.infos)
+
+
+def test_signals_read_the_deformation():
+    """Not the forces on the nodes, which depend on accelerations."""
+    signal = "signals={bent: {type: formula, value: s8.strain_energy}}"
+    recorded = RecordedRun(input_deck("superelement_arm", "time.end=2", signal))
+    energy = recorded["elements/s8/strain_energy"]
+    np.testing.assert_allclose(recorded["signals/bent/value"], energy, rtol=0, atol=1e-6 * energy.max())
+    with pytest.raises(DeckError, match="measure a reaction of a joint"):
+        input_deck("superelement_arm", signal.replace("strain_energy", "force_2.x"))
 
 
 def test_inner_nodes_are_recovered(tmp_path):

@@ -23,7 +23,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.joint_samples import rotation
-from mecano.element_interface import POWERS, Display, Kind, Output, named, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.elements.bodies.reduced_matrices import (
     buckling_load,
     first_clamped_frequency,
@@ -47,6 +47,7 @@ from mecano.elements.bodies.superelement_frame import (
 )
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import allocate_items, free
+from mecano.maths.dual import number
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
@@ -126,8 +127,8 @@ def observe(p, at, F, y, e):
         put(y, j + 6, vec(total, 6 * i))
         put(y, j + 9, mat(at.R[i]) @ vec(total, 6 * i + 3))
     for i in range(p.n_modes):
-        y[12 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
-        y[13 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
+        y[12 + 12 * p.n_nodes + 2 * i] = number(at.q[6 * p.n_nodes + i])
+        y[13 + 12 * p.n_nodes + 2 * i] = number(at.v[6 * p.n_nodes + i])
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load + about.acceleration, s.moment)
     e[2] = dissipated
@@ -141,15 +142,16 @@ def _energies(p, laws, work):
     """Return elastic energy, kinetic energy about the centre of mass, dissipated power."""
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
-    elastic, kinetic, dissipated = 0.0, 0.0, 0.0
+    zero = 0.0 * number(work[U, 0])
+    elastic, kinetic, dissipated = zero, zero, zero
     scratch = allocate_items((2, n), work)
     add_product(laws, stiffness, work[U], scratch[0])
     if p.damped > 0:
         add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
     for i in range(n):
-        elastic += 0.5 * work[U, i] * scratch[0, i]
-        dissipated += work[U_RATE, i] * scratch[1, i]
-        kinetic += 0.5 * work[V, i] * work[MOMENTUM, i]
+        elastic = elastic + 0.5 * number(work[U, i]) * number(scratch[0, i])
+        dissipated = dissipated + number(work[U_RATE, i]) * number(scratch[1, i])
+        kinetic = kinetic + 0.5 * number(work[V, i]) * number(work[MOMENTUM, i])
     free(scratch)
     return elastic, kinetic, dissipated
 
@@ -246,9 +248,9 @@ def _outputs(n_nodes, n_modes, more=""):
 
 
 def _hidden(outputs):
-    """Return {output: what to do instead}: they do not follow from Duals."""
-    names = [*(output.name for output in outputs), *POWERS]
-    return dict.fromkeys(names, "measure the motion of its nodes, or a reaction of a joint")
+    """Return {output: what to do instead} of those that depend on accelerations."""
+    names = [output.name for output in outputs if output.name.startswith(("force", "moment"))]
+    return dict.fromkeys(names, "measure a reaction of a joint")
 
 
 def sample(rng):
