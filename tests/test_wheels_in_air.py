@@ -1,12 +1,15 @@
 """Steady running from a start in which wheels are in the air or just touch: lowered onto them, or the wheels named."""
 
+import textwrap
+
 import numpy as np
 import pytest
 from test_motorcycle import BODIES, DECK, WHEELBASE
-from time_runs import deck
+from time_runs import deck, input_deck
 
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import prepare
+from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError
 from mecano.maths.root import root
 
@@ -75,6 +78,135 @@ def test_a_motorcycle_above_its_road_stands_on_both_wheels(height):
     assert found["elements/front_tyre"] == pytest.approx(front, rel=1e-3)
     assert found["elements/rear_tyre"] == pytest.approx(9.81 * masses.sum() - front, rel=1e-3)
     assert warnings == ()
+
+
+def tilted(roll, pitch, height, speed):
+    """Return overrides that turn road, gravity and velocity under a vehicle, and put the road ``height`` [m] lower."""
+    normal = np.array([-np.sin(pitch) * np.cos(roll), np.sin(roll), np.cos(pitch) * np.cos(roll)])
+    ahead = np.cross([0.0, 1.0, 0.0], normal)
+    vectors = -9.81 * normal, normal, -height * normal, speed * ahead / np.linalg.norm(ahead)
+    gravity, normal, point, velocity = (list(map(float, vector)) for vector in vectors)
+    road = f"grounds.road.plane={{normal: {normal}, point: {point}}}"
+    return f"gravity={gravity}", road, f"initial={{steady: {{velocity: {velocity}}}}}"
+
+
+def read(folder, text, overrides):
+    """Return the Prepared of a deck with overrides."""
+    path = folder / "deck.yaml"
+    path.write_text(textwrap.dedent(text), encoding="utf-8")
+    return prepare(read_deck(path, overrides))
+
+
+@pytest.mark.parametrize(("roll", "pitch", "height"), [(3.0, 0.0, 0.0), (-2.0, -6.0, 0.1)])
+def test_a_motorcycle_that_leans_and_pitches_is_levelled(roll, pitch, height):
+    """Onto both wheels, upright."""
+    prepared = prepare(input_deck("motorcycle", *tilted(np.radians(roll), np.radians(pitch), height, 20.0)))
+    assert set_initial_state(prepared) == ()
+    found, masses = loads(prepared), sum(b[0] for b in BODIES)
+    assert sum(found.values()) == pytest.approx(9.81 * masses, rel=1e-6)
+    assert found["elements/front_tyre"] == pytest.approx(992.0, abs=1.0)  # as from a level start, above
+
+
+CAR = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {body: {position: [0, 0, 0.5]}}
+    elements: {body: {type: rigid_body, node: body, mass: 800, inertia: [200, 900, 900], attached: [MOUNTS]}}
+    templates:
+      corner:
+        nodes: {mount: {position: [0, 0, 0.2]}, axle: {position: [0, 0, 0]}, hub: {position: [0, 0, 0]}}
+        elements:
+          upright: {type: rigid_body, node: axle, mass: 15, inertia: [0.3, 0.3, 0.3]}
+          rim: {type: rigid_body, node: hub, mass: 15, inertia: [0.5, 0.9, 0.5]}
+          tyre: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+        joints:
+          guide:
+            {type: prismatic, nodes: [mount, axle], axis: [0, 0, 1], sliding_law: {spring: 25 kN/m, preload: -2 kN}}
+          bearing: {type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}
+    place:
+      front_left: {template: corner, position: [1.2, 0.7, 0.3]}
+      front_right: {template: corner, position: [1.2, -0.7, 0.3]}
+      rear_left: {template: corner, position: [-1.4, 0.7, 0.3]}
+      rear_right: {template: corner, position: [-1.4, -0.7, 0.3]}
+    tire_laws: {rubber: {radius: 0.31, radial: {linear: {slope: 2.0e5}}, friction: 0.9, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [20, 0, 0]}}
+    time: {end: 1, step: 0.01}
+""".replace("MOUNTS", ", ".join(f"{end}_{side}_mount" for end in ("front", "rear") for side in ("left", "right")))
+
+
+@pytest.mark.parametrize(("roll", "pitch", "height"), [(3.0, 0.0, 0.0), (3.0, 3.0, 0.1)])
+def test_a_car_that_rolls_and_pitches_is_levelled(roll, pitch, height, tmp_path):
+    """Onto four wheels, which bear the weight by the lengths of a level beam."""
+    prepared = read(tmp_path, CAR, tilted(np.radians(roll), np.radians(pitch), height, 20.0))
+    assert set_initial_state(prepared) == ()
+    for end, arm in (("front", 1.4), ("rear", 1.2)):
+        for side in ("left", "right"):
+            bears = 9.81 * (30.0 + 400.0 * arm / 2.6)
+            assert loads(prepared)[f"elements/{end}_{side}_tyre"] == pytest.approx(bears, rel=2e-3)
+
+
+AIRCRAFT = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {body: {position: [0.6, 0, 2.6]}}
+    elements: {body: {type: rigid_body, node: body, mass: 12000, inertia: [5.0e4, 1.5e5, 1.8e5], attached: [TOPS]}}
+    templates:
+      gear:
+        parameters: {force: 0 N}
+        nodes:
+          top: {position: [-0.1, 0, 1.5]}
+          knee: {position: [0.4, 0, 0.4]}
+          pivot: {position: [0.4, 0, 0.4]}
+          lug: {position: [0, 0, 0.3]}
+          axle: {position: [-0.1, 0, 0]}
+          hub: {position: [-0.1, 0, 0]}
+        elements:
+          arm: {type: rigid_body, node: pivot, mass: 60, inertia: [3, 6, 6], attached: [lug, axle]}
+          rim: {type: rigid_body, node: hub, mass: 60, inertia: [2, 4, 2]}
+          strut: {type: spring_damper, nodes: [top, lug],
+                  law: {gas_spring: {force: $force, length: 0.45 m, exponent: 1.3},
+                        stop: {stiffness: 20 kN/mm, lower: -400 mm, upper: -1 mm}}}
+          wheel: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: tyre, ground: road}
+        joints:
+          pivot: {type: hinge, nodes: [knee, pivot], axis: [0, 1, 0]}
+          bearing: {type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}
+    place:
+      left: {template: gear, position: [0, 2.5, 0.45], with: {force: 15 kN}}
+      right: {template: gear, position: [0, -2.5, 0.45], with: {force: 15 kN}}
+      nose: {template: gear, position: [5.5, 0, 0.45], with: {force: 4 kN}}
+    tire_laws: {tyre: {radius: 0.45, radial: {linear: {slope: 9.0e5}}, friction: 0.7, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [50, 0, 0]}}
+    time: {end: 1, step: 1 ms}
+""".replace("TOPS", ", ".join(f"{gear}_{node}" for gear in ("left", "right", "nose") for node in ("top", "knee")))
+
+
+@pytest.mark.parametrize(("roll", "pitch", "height"), [(0.0, 0.0, 0.05), (2.0, 2.0, 0.4)])
+def test_an_aircraft_on_extended_struts_above_the_runway(roll, pitch, height, tmp_path):
+    """Levered gears, with oleos preloaded against their stops, through which the weight pushes them at once.
+
+    Their pivots leave the way between to no equilibrium. Loads balance the weights in the places where they come to be.
+    """
+    prepared = read(tmp_path, AIRCRAFT, tilted(np.radians(roll), np.radians(pitch), height, 50.0))
+    set_initial_state(prepared)
+    of, names, found = prepared.system.numbering, [node.name for node in prepared.system.nodes], loads(prepared)
+    gravity = np.array(prepared.system.context.gravity)
+    along = np.cross([0.0, 1.0, 0.0], -gravity / 9.81)
+    along /= np.linalg.norm(along)
+
+    def place(name):
+        return along @ prepared.state.z[of.x[names.index(name)] + np.arange(3)]
+
+    gears = "left", "right", "nose"
+    weights = [(12000.0, "body"), *((60.0, f"{gear}_{node}") for gear in gears for node in ("pivot", "hub"))]
+    assert sum(found.values()) == pytest.approx(9.81 * sum(mass for mass, _ in weights), rel=1e-9)
+    moment = sum(9.81 * mass * place(name) for mass, name in weights)
+    assert sum(found[f"elements/{gear}_wheel"] * place(f"{gear}_hub") for gear in gears) == pytest.approx(
+        moment, rel=1e-6
+    )
+    assert found["elements/left_wheel"] == pytest.approx(found["elements/right_wheel"], rel=1e-6)
+    assert found["elements/nose_wheel"] > 1e4
 
 
 def pitch_on_one_wheel(lift):

@@ -10,8 +10,9 @@ directions N and reactions with
 Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: positions along the motion, angles of spin
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. If Newton's method
 halves many steps, or the mechanism ends in another shape, as a vehicle whose wheels just touch may balance on one of
-them, it begins again from a start that is lowered onto its wheels (lowered_start.py). If this does not help, the state
-is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there. A rotation
+them, it begins again from a start that is levelled and lowered onto its wheels (lowered_start.py). If this does not
+help, that state is relaxed first, against a drag that decreases with the forces, and Newton's method continues from
+there: so a strut gets through states in which the weight compresses it by itself. A rotation
 that is not found in this way is followed from rest (spin_up.py). Signals may have any unit: their changes limit no
 step, and the drag of the relaxation does not act on them.
 
@@ -28,7 +29,7 @@ from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.rounding import ROUNDING, TINY
-from mecano.solve.modal.lowered_start import lowered
+from mecano.solve.modal.lowered_start import lowered_starts
 from mecano.solve.modal.steadiness import require_steady
 from mecano.solve.time.increments import displaced, reach_of
 
@@ -93,9 +94,10 @@ class Steady:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
         s, arrived = self._newton(self.begun(start), HALVINGS)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
-            s, arrived = self._from_below(start, s, arrived)
+            start, s, arrived = self._from_below(start, s, arrived)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
-            crept, settled = self._newton(self.motion.without_drift(start, self._creep(self.begun(start))))
+            crept = self.motion.without_drift(start, self._creep(self.begun(start)))
+            crept, settled = self._newton(crept, HALVINGS)
             if not (arrived or settled):
                 s, arrived = self._newton(self.begun(start))
             better = self.motion.relaxes or self.reshaped(start, crept) < self.reshaped(start, s)
@@ -108,13 +110,19 @@ class Steady:
         return s
 
     def _from_below(self, start, s, arrived):
-        """Return (state, whether it is steady) from ``start`` lowered onto its wheels; ``s`` unless that is nearer."""
-        low = lowered(self, start)
-        if low is None:
-            return s, arrived
-        new, found = self._newton(low)
-        better = found and (not arrived or self.reshaped(start, new) < self.reshaped(start, s))
-        return (new, True) if better else (s, arrived)
+        """Return (start, state, whether it is steady) from the start lowered onto its wheels; ``s`` unless nearer.
+
+        The start returned is the one from which the state was found, or a lowered one if none is steady: to level and
+        to lower a vehicle is no change of its shape.
+        """
+        lows = lowered_starts(self, start)
+        for low in lows:
+            new, found = self._newton(low, HALVINGS)
+            if found and (not arrived or self.reshaped(low, new) < self.reshaped(start, s)):
+                start, s, arrived = low, new, True
+            if arrived and self.reshaped(start, s) <= NOTICEABLE * self.length:
+                break
+        return start if arrived or not lows else lows[0], s, arrived
 
     def begun(self, start: "State") -> "State":
         """Return a State at the positions of ``start`` with the velocities of the motion, without reactions."""

@@ -30,7 +30,7 @@ class Turn(Rotation):
     """The turn of a vehicle with the angular velocity ``w`` (3,) [rad/s], inertial; ``steady`` below: a Steady."""
 
     relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
-    fading = 1.0  # additional factor on the drag in each step of the relaxation
+    fading = 0.8  # additional factor on the drag in each step of the relaxation: wheels and arms may move far
     name = "steady turn"
     remedy = (
         "initial positions nearer to it; a drive that balances the drag in a turn, which has an integrator as in "

@@ -44,7 +44,7 @@ class Straight:
     """The motion of a system with the velocity ``V`` (3,) [m/s] of all nodes, inertial; ``steady`` below: a Steady."""
 
     relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
-    fading = 1.0  # additional factor on the drag in each step of the relaxation
+    fading = 0.8  # additional factor on the drag in each step of the relaxation: wheels and arms may move far
     remedy = (
         "initial positions nearer to it; stiffnesses in N/m, masses in kg; a velocity along the road, which is flat at "
         "the start, in the forward direction of the wheels; a force that balances the drag; wheels in balance about "
