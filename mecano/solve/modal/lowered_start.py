@@ -130,7 +130,7 @@ class _Vehicle:
         return None
 
     def _levelling(self, Q, axes):
-        """Return the rotation vector (3,) of a step of Newton's method for ``turn_onto_wheels``; nan if nothing bears."""
+        """Return the rotation vector (3,) of a step of Newton's method for ``turn_onto_wheels``, or nan."""
         here = self.depths(Q)
         J = np.column_stack([(self.depths(rotation(TILT * axis) @ Q) - here) / TILT for axis in axes])
         U, sigma, Vt = np.linalg.svd(J - J.mean(axis=0))
