@@ -273,6 +273,12 @@ def test_units_of_the_file(tmp_path):
     ("old", "new", "said"),
     [
         ("FITTYP                   = 61 ", "FITTYP                   = 99 ", "has FITTYP = 99; supported: 6, 21"),
+        ("[MODEL]\n", "[MODEL]\nPCY2 = 0.9\n", "is for the Magic Formula of motorcycles (PAC_MC, MF-MCTyre)"),
+        (
+            "[MODEL]\n",
+            "[MODEL]\nPROPERTY_FILE_FORMAT = 'PAC_MC'\n",
+            "supported: 5.2, 6.1 and 6.2, for motorcycles with",
+        ),
         ("PCX1                     = 1.62", "PCX1                     = abc", "PCX1 = 'abc', which is not a number"),
         ("PKY1                     = -24.0\n", "", "'magic_formula' has no PKY1"),
         ("FNOMIN                   = 4000", "FNOMINAL = 4000", "'magic_formula' has no FNOMIN"),
@@ -290,6 +296,16 @@ def test_what_is_wrong_in_a_file(tmp_path, old, new, said):
     with pytest.raises(DeckError) as error:
         with_file(tmp_path, ORIGINAL.replace(old, new))
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize("line", ["USE_MODE = 214", "MC_CONTOUR_A = 0.5"])
+def test_the_file_of_a_motorcycle_tyre_asks_for_a_crown(tmp_path, line):
+    """A warning, unless the tyre law rounds the tread."""
+    text = ORIGINAL.replace("[MODEL]\n", f"[MODEL]\n{line}\n")
+    (found,) = with_file(tmp_path, text).warnings
+    assert "without 'crown_radius' it stands on the ground as a disc" in found.message
+    rounded = DECK.replace("{file: own.tir}", "{file: own.tir}, crown_radius: 0.1")
+    assert with_file(tmp_path, text, rounded).warnings == ()
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,7 @@ MATERIALS = {  # field: unit, smallest value of a solid, what a smaller one mean
 
 LARGEST_REGULARIZATION = 10.0  # m/s, of the friction of a tyre
 LARGEST_DAMPING = 10.0  # s/m, of a tyre
+ROUND_CONTACT = 2  # hundreds of USE_MODE in a .tir file: a circular cross-section
 LEAST_DEFLECTION = 0.01  # of the diameter of a tyre under its load
 FASTEST = 3e4  # m/s, speed of waves along a rod
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
@@ -274,8 +275,21 @@ def _tires(tire_laws):
             if found := runaway(d["lateral"]):
                 field, text = found
                 yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
-        for path, text in _in_other_units(d):
+        for path, text in (*_in_other_units(d), *_round_tyres(d)):
             yield ("tire_laws", name, *path), f"tire law '{name}': {text}"
+
+
+def _round_tyres(d):
+    """Yield (path, text) on the file of a motorcycle tyre whose tread the tyre law does not round."""
+    given = (d.get("magic_formula") or {}).get("coefficients") or {}
+    contact = abs(int(given.get("USE_MODE", 0))) // 100
+    if d.get("crown_radius") or not (contact == ROUND_CONTACT or given.get("MC_CONTOUR_A")):
+        return
+    why = "MC_CONTOUR_A" if given.get("MC_CONTOUR_A") else "USE_MODE"
+    text = (
+        f"its file is that of a motorcycle tyre ({why}), but without 'crown_radius' it stands on the ground as a disc"
+    )
+    yield ("magic_formula",), text
 
 
 def _in_other_units(d):

@@ -33,6 +33,8 @@ POWERS = {  # of length, force, angle, time in the unit of a key; numbers withou
 }  # fmt: skip
 CURVE = "[DEFLECTION_LOAD_CURVE]"
 VERSIONS = {5: 5.2, 6: 5.2, 21: 5.2, 60: 6.1, 61: 6.1, 62: 6.2}  # of the numbers FITTYP
+OF_MOTORCYCLES = "PCY2"  # a coefficient that other formulas do not have
+MOTORCYCLE = re.compile(r"MC([_-]?TYRE)?$")  # ends the format of such files
 FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
 
 
@@ -110,6 +112,12 @@ class _Reading:
     def _version(self):
         kind = number(self.texts.get("FITTYP", ""))
         named = self.texts.get("PROPERTY_FILE_FORMAT", "").upper()
+        if OF_MOTORCYCLES in self.texts or MOTORCYCLE.search(named):
+            return self._refuse(
+                "is for the Magic Formula of motorcycles (PAC_MC, MF-MCTyre), whose camber thrust has a shape factor of "
+                f"its own ({OF_MOTORCYCLES}); supported: 5.2, 6.1 and 6.2, for motorcycles with 'crown_radius' in the "
+                "tyre law; or 'fiala' with its 'camber_stiffness'"
+            )
         if kind is not None and int(kind) in VERSIONS:
             return VERSIONS[int(kind)]
         if kind is None and FORMATS.get(named) is not None:

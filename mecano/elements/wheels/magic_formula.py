@@ -65,7 +65,7 @@ RANGES = {  # key of the upper bound of a range: (output in this range, key of t
 }  # fmt: skip
 OTHERS = {
     *RANGES, *(low for _, low, _ in RANGES.values()), "FZMIN", "PRESMIN", "PRESMAX", "VXLOW", "FITTYP", "USE_MODE",
-    "YAW_STIFFNESS",
+    "YAW_STIFFNESS", "MC_CONTOUR_A",
 }  # fmt: skip
 KNOWN = {*NEEDED, *DEFAULTS, *OTHERS}
 LEAST_LOAD = 1e-3  # of the nominal load: below it, force and moments are proportional to the load
