@@ -114,7 +114,7 @@ class _Reading:
         named = self.texts.get("PROPERTY_FILE_FORMAT", "").upper()
         if OF_MOTORCYCLES in self.texts or MOTORCYCLE.search(named):
             return self._refuse(
-                "is for the Magic Formula of motorcycles (PAC_MC, MF-MCTyre), whose camber thrust has its own shape factor "
+                "is for the Magic Formula of motorcycles (PAC_MC, MF-MCTyre), whose camber thrust has a shape factor "
                 f"{OF_MOTORCYCLES}; supported: 5.2, 6.1 and 6.2, for motorcycles with 'crown_radius' in the "
                 "tyre law; or 'fiala' with its 'camber_stiffness'"
             )
