@@ -1,7 +1,7 @@
-"""Prescribed angles of bodies that no bearing holds are warned of; those in hinges or on two points are not."""
+"""Angles of bodies that no bearing holds are warned of, and moments about an axis about which nothing can turn."""
 
 import pytest
-from time_runs import deck
+from time_runs import deck, input_deck
 
 DECK = """
     mecano: 1
@@ -37,5 +37,47 @@ def test_an_axis_that_nothing_holds_is_warned_of(joints, reason):
         return
     assert found == [
         f"prescribed_angle 'drive': node 'pin' can turn about any axis, as {reason}; "
-        "the angle is that about 'axis' alone: is a hinge missing?"
+        "the joint holds the angle about its axis alone: is a hinge missing?"
     ]
+
+
+def test_a_gear_without_a_bearing_is_warned_of():
+    (said,) = (w.message for w in input_deck("gears", "joints.bearing_c=null").warnings)
+    assert said.startswith(
+        "gear_pair 'bevel': node 'c' can turn about any axis, as no joint or member holds it; the joint"
+    )
+    assert input_deck("gears").warnings == ()
+
+
+SHAFTS = """
+    mecano: 1
+    gravity: none
+    time: {end: 1, step: 0.01}
+    nodes: {one: {position: [0, 0, 0]}, two: {position: [0, 0, 0]}}
+    elements:
+      one: {type: rigid_body, node: one, mass: 1, inertia: [1, 1, 1]}
+      two: {type: rigid_body, node: two, mass: 1, inertia: [1, 1, 1]}
+      spring: {type: torsion_spring_damper, nodes: [one, two], axis: AXIS, law: {spring: 1}}
+    joints:
+      bearing_1: {type: hinge, nodes: [ground, one], axis: [0, 1, 0]}
+      bearing_2: {type: hinge, nodes: OTHER, axis: [0, -1, 0]}
+"""
+
+
+@pytest.mark.parametrize("nodes", ["[ground, two]", "[one, two]"])
+@pytest.mark.parametrize(("axis", "warned"), [("[1, 0.05, 0]", True), ("[1, 0.2, 0]", False), ("[0, -1, 0]", False)])
+def test_a_spring_about_an_axis_across_that_of_its_bearings_is_warned_of(axis, warned, nodes):
+    """Between bodies on one hinge, or on two parallel ones of a third body."""
+    found = [w.message for w in deck(SHAFTS.replace("AXIS", axis).replace("OTHER", nodes)).warnings]
+    assert len(found) == warned
+    for said in found:
+        assert said.startswith(f"torsion_spring_damper 'spring': 'axis' {axis} is across [0, ")
+        assert said.endswith("turn: no effect")
+
+
+def test_a_brake_about_another_axis_than_its_wheel_is_warned_of():
+    (said,) = (w.message for w in input_deck("braked_wheel", "loads.brake.axis=[1, 0, 0]").warnings)
+    assert said == (
+        "brake 'brake': 'axis' [1, 0, 0] is across [0, 1, 0], the only axis about which hinge 'bearing' lets 'leg', "
+        "'hub' turn: no effect"
+    )

@@ -15,7 +15,7 @@ from mecano.deck.large_frictions import large_frictions
 from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
-from mecano.element_interface import BY_COMMAND, SECTIONS, Kind
+from mecano.element_interface import SECTIONS, Kind, nothing
 from mecano.errors import Problem, name_list
 from mecano.laws.table import breakpoints
 from mecano.model.mesh import divides, inner_names
@@ -184,10 +184,14 @@ def _joints(values, kinds):
         from mecano.deck.bound_joints import binding_joints
 
         yield from binding_joints(values, kinds)
-    if any(kinds[d["type"]].turns == BY_COMMAND for d in values["joints"].values()):
+    if any(kinds[d["type"]].counts_angles is not nothing for d in values["joints"].values()):
         from mecano.deck.loose_axes import loose_axes
 
         yield from loose_axes(values, kinds)
+    if any(kinds[d["type"]].counts_angles is not nothing for s in ("elements", "loads") for d in values[s].values()):
+        from mecano.deck.idle_axes import idle_axes
+
+        yield from idle_axes(values, kinds)
 
 
 def _bodies(values):

@@ -119,7 +119,8 @@ class DeckEntry:
     in the whole run; none if they are not those of 'axis' and 'axis_1' at the start"""
     counts_angles: Callable = nothing
     """deck values -> [(field of the axis, axis (3,), (node a, node b))] of a joint that holds angles of b relative to
-    a: a joint of their bodies that turns FREELY must have the same axis"""
+    a, or of an element or load that acts about the axis: a joint of their bodies that turns FREELY must have the same
+    axis"""
     drives: Callable = nothing
     """deck values -> [motion]: laws or formulas of time that a joint prescribes, if it does nothing else"""
     limits: Callable = nothing

@@ -258,6 +258,7 @@ BRAKE = on_demand(
         layout=("R0", "x1", "R1"),
         fields=FIELDS,
         outputs=OUTPUTS,
+        counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
         **named(prepare, check, sample),
     ),
     _functions, "torque", 9,

@@ -51,6 +51,7 @@ COUPLE = on_demand(
             Output("power", "W", "power given to both nodes"),
         ),
         prepare=lambda d, nodes, context: {"law": law_of(d["value"], context), "axis": carried_axis(d, nodes)},
+        counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
     ),
     _functions, "value", 6,
 )  # fmt: skip

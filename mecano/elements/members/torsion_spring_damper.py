@@ -121,6 +121,7 @@ def _spring(functions):
         phases=PHASES,
         events=EVENTS,
         memory=("angle",),
+        counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
         **named(prepare, sample),
         measures={"angle": _angle},
     )  # fmt: skip
