@@ -7,10 +7,11 @@ import pytest
 from linkage import FourBar
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
-from mecano.analyses import static
+from mecano.analyses import dynamic, static
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError, ConvergenceError
+from mecano.results.reader import open_results
 
 HINGES = {
     "hinge_b": "hinge_b: {type: hinge, nodes: [crank_end, coupler], axis: [0, -1, 0]}",
@@ -416,3 +417,12 @@ def height_of(node):
     """Return the index of the vertical position of a node of the bracket."""
     system = prepare(deck(BRACKET.replace("LOAD", "1"))).system
     return system.numbering.x[[n.name for n in system.nodes].index(node)] + 2
+
+
+def test_a_linkage_whose_axes_are_not_parallel_is_said_to_bind(tmp_path):
+    """A hinge of a four-bar linkage leans by 0.01 rad: the crank swings to and fro by about that, and does not fall."""
+    dynamic.run(input_deck("four_bar", "joints.hinge_c.axis=[0, -1, 0.01]", "time.end=0.3"), tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        assert abs(results["hinge_a.angle"].values).max() < 0.02
+        (said,) = (text for text in results.warnings if "redundant constraints yielded" in text)
+    assert "bind: are axes exactly parallel, or in one line, that should be?" in said
