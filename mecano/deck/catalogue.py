@@ -114,7 +114,7 @@ def explain(name: str) -> str:
     for an unknown name, with the most similar ones.
     """
     texts, known = _texts_on(name)
-    for other in (re.sub("[ -]", "_", name), name.replace(" ", ".")):
+    for other in (re.sub("[ -]", "_", name), name.replace(" ", "."), name.lower()):
         texts = texts or _texts_on(other)[0]
     meant = synonym(name) or (None if texts else synonym_of_end(name))
     example = example_text(name)

@@ -21,8 +21,8 @@ motorcycle, motorbike, weave, wobble, capsize -> transient_wheel rigid_wheel | `
     over the speed; see docs/tyres.md
 drum -> belt wheel_on_body | a rope runs on a drum, or a wheel
 capstan, bollard, rope brake, band brake -> reeved_cable | a reeved_cable with 'friction'
-chain drive, sprocket -> belt gear_pair coupler | a belt, a gear_pair with a 'ratio', or a coupler of the angles of two
-    hinges
+chain, chain drive, sprocket -> belt gear_pair coupler | a belt, a gear_pair with a 'ratio', or a coupler of the angles
+    of two hinges
 synchronisation, synchronization, synchronisation cable, synchronization cable, differential, transmission, linear
     relation -> coupler
 non circular gear, noncircular gear, elliptical gear, transmission function, position function, indexing, indexing
@@ -232,7 +232,33 @@ wind, wind load, gust, current, morison -> drag line_load | a 'drag' on each nod
 aerodynamics, air resistance, parachute, fluid -> drag follower_force | a lift is a follower_force whose value is a
     formula of signals
 function, time series, spline, curve -> laws formula table polynomial
-ramp up, smooth step -> step ramp
+ramp up, smooth step, step5, havsin -> step ramp | there and back: a law that is a list of two steps
+akispl, cubspl -> table | 'interpolation: spline' for motions
+bistop, bumpstop -> stop hinge.stops | a term of a law is elastic, the stops of a joint are rigid
+if, arithmetic if -> switch | one of two formulas, selected by two levels of its input
+gstiff, wstiff, bdf -> time | `method: radau` for tight tolerances; dampings of index reduction are not needed
+baumgarte, index reduction, lagrange multiplier, lagrange multipliers -> time | constraints hold in position and
+    velocity without parameters: docs/theory.md
+ptcv, point curve -> point_on_curve
+cvcv, curve curve -> contact nonlinear_coupler | a 'cam' and a 'face' or ball
+jprim, joint primitive, inplane primitive -> generic held_rotation | each of six axes held, free, driven or elastic
+field -> bushing
+lse, gse, tfsiso -> state_space transfer_function formula
+wheel alignment, roll centre, roll center, instant centre, instant center -> attitude signals static | prescribe the
+    travel of the wheel over the time of `static: {over: time}`; toe and camber are those of an 'attitude' of the
+    upright, the height of the roll centre is the slope dy/dz of the contact point times its distance from the middle
+    plane
+iso 8608, road class, road roughness -> random | a term of the 'height' of a ground
+ftire, swift, mf swift, contact patch -> transient_wheel tire_laws | rigid-ring and flexible-ring tyres are not
+    available; 'enveloping' of a tyre law meets short obstacles
+hertz, hertzian, hertzian contact -> contact power | a law with the term power and the exponent 1.5
+inerter -> coupler rack_and_pinion screw | a body that turns by a rack or a screw between both ends, as it is built
+torque converter, fluid coupling -> couple formula | a formula of the speeds of both shafts
+redundant, redundancy, overconstrained, gruebler, gruebler count, degrees of freedom -> | `mecano check` lists the free
+    motions and the redundant constraints
+mass properties, total mass -> | `mecano check` gives the mass, `mecano momentum` the centre of mass over a run
+state event, zero crossing, event -> switch until | events of elements are always located; `until` in 'time' ends a run
+    by a condition
 harmonic, excitation, vibration, sinusoidal -> sine prescribed_position
 chirp, swept sine, sine sweep, frequency sweep -> signals formula prescribed_position | a formula of the time,
     sin(2*pi*turns) with turns: 1*time + 3*time**2/2 (docs/signals.md, Prescribed motions)
@@ -249,8 +275,9 @@ lookup table, characteristic, map, command profile, nonlinear gain -> curve tabl
     input, which may be the time
 saturation, saturate, clip, limiter, torque limit, force limit, current limit -> limit pid | a signal between two
     limits; a pid has limits, too
-input shaping, input shaper, zero vibration, command shaping -> delay formula | half of a command, and half of it
-    delayed by half a period, leave no vibration of a mode with little damping
+input shaping, input shaper, zero vibration, command shaping -> delay formula step laws | half of a command, and half
+    of it delayed by half a period, leave no vibration of a mode with little damping; as a prescribed motion, a law that
+    is a list of two steps
 robot, robot arm, manipulator, serial robot -> hinge joint_moment pid sample_and_hold grip | links on hinges with a
     joint_moment each; prescribed_angle for inverse dynamics; `mecano new --list`
 stress, stresses, von mises, bending stress -> beam bar | outputs of beams and bars with a section; `mecano post` draws
