@@ -62,6 +62,7 @@ def test_every_word_stands_once():
 
 def test_names_of_mecano_with_spaces_or_hyphens():
     assert explain("metering pin") == explain("metering-pin") == explain("metering_pin")
+    assert explain("STEP") == explain("step")
 
 
 def test_forms_of_a_word():

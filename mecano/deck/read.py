@@ -77,22 +77,34 @@ def deck_of(
     early = [pair for pair in inclusion.settings if BEFORE_COPIES.match(f"{pair[0].value}=")]
     root = settled(root, early, known_sections, problems)
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
-    root = overridden(root, first, known_sections, problems)
+    doubts, root = _overridden(root, first, known_sections, problems)
     scope = scope_of(root, kinds, terms, folder, problems)
     scope.files, scope.included = inclusion.files, inclusion.beside
     root = written_out(root, sections, scope)
     root = settled(root, [pair for pair in inclusion.settings if pair not in early], sections, problems)
-    root = overridden(root, [text for text in overrides if text not in first], sections, problems)
+    later, root = _overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
     lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides or scope.parameters.words))
     idle = [] if overrides else unplaced(scope.unplaced)  # an override may remove the copies of a template
-    warnings = (*lint, *idle, *scope.doubts)
+    known = {str(problem.mark) for problem in lint}  # of a number, one warning is enough
+    doubts = [doubt for doubt in (*doubts, *later) if str(doubt.mark) not in known]
+    warnings = (*lint, *idle, *scope.doubts, *doubts)
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
     return Deck(
         source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas,
         tuple(scope.motions),
     )  # fmt: skip
+
+
+def _overridden(root, overrides, sections, problems):
+    """Return warnings about overrides without units, and the tree with the overrides applied."""
+    found = overridden(root, overrides, sections, problems)
+    if not overrides:
+        return [], found
+    from mecano.deck.forgotten_units import forgotten_units
+
+    return forgotten_units(root, found, [text.partition("=")[0] for text in overrides]), found
 
 
 def _keys(root, section):
