@@ -3,7 +3,7 @@
 import pytest
 from time_runs import deck
 
-from mecano.deck.read import deck_of_bytes
+from mecano.deck.read import deck_of_bytes, read_deck
 
 DECK = b"""
 mecano: 1
@@ -47,3 +47,10 @@ def test_a_number_in_the_place_of_a_quantity(override, said):
 
 def test_nothing_is_said_without_overrides():
     assert deck(DECK.decode()).warnings == ()
+
+
+def test_a_variant_without_the_unit_of_its_base(tmp_path):
+    (tmp_path / "base.yaml").write_bytes(DECK)
+    (tmp_path / "variant.yaml").write_text("include: base.yaml\nset: {parameters.speed: 80, elements.a.mass: 310}\n")
+    (found,) = read_deck(tmp_path / "variant.yaml").warnings
+    assert found.message.startswith("'parameters.speed': 80 without a unit is in m/s") and found.mark.line == 2

@@ -75,19 +75,25 @@ def deck_of(
     if inclusion.unread:
         raise DeckError(problems, UNCHECKED)
     early = [pair for pair in inclusion.settings if BEFORE_COPIES.match(f"{pair[0].value}=")]
-    root = settled(root, early, known_sections, problems)
+    before, root = root, settled(root, early, known_sections, problems)
+    doubts = _doubts(before, root, [str(path.value) for path, _ in early])
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
-    doubts, root = _overridden(root, first, known_sections, problems)
+    before, root = root, overridden(root, first, known_sections, problems)
+    doubts += _doubts(before, root, [text.partition("=")[0] for text in first])
     scope = scope_of(root, kinds, terms, folder, problems)
     scope.files, scope.included = inclusion.files, inclusion.beside
     root = written_out(root, sections, scope)
-    root = settled(root, [pair for pair in inclusion.settings if pair not in early], sections, problems)
-    later, root = _overridden(root, [text for text in overrides if text not in first], sections, problems)
+    later = [pair for pair in inclusion.settings if pair not in early]
+    before, root = root, settled(root, later, sections, problems)
+    doubts += _doubts(before, root, [str(path.value) for path, _ in later])
+    others = [text for text in overrides if text not in first]
+    before, root = root, overridden(root, others, sections, problems)
+    doubts += _doubts(before, root, [text.partition("=")[0] for text in others])
     values = checked_values(root, sections, scope)
     lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides or scope.parameters.words))
     idle = [] if overrides else unplaced(scope.unplaced)  # an override may remove the copies of a template
     known = {str(problem.mark) for problem in lint}  # of a number, one warning is enough
-    doubts = [doubt for doubt in (*doubts, *later) if str(doubt.mark) not in known]
+    doubts = [doubt for doubt in doubts if str(doubt.mark) not in known]
     warnings = (*lint, *idle, *scope.doubts, *doubts)
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
@@ -97,14 +103,13 @@ def deck_of(
     )  # fmt: skip
 
 
-def _overridden(root, overrides, sections, problems):
-    """Return warnings about overrides without units, and the tree with the overrides applied."""
-    found = overridden(root, overrides, sections, problems)
-    if not overrides:
-        return [], found
-    from mecano.deck.forgotten_units import forgotten_units
+def _doubts(before, after, paths):
+    """Return warnings about the values at ``paths`` that replace quantities of the tree ``before`` without a unit."""
+    if not paths:
+        return []
+    from mecano.deck.forgotten_units import forgotten_units  # most decks are read as they are
 
-    return forgotten_units(root, found, [text.partition("=")[0] for text in overrides]), found
+    return forgotten_units(before, after, paths)
 
 
 def _keys(root, section):
