@@ -66,33 +66,33 @@ class _Commands(click.Group):
 @click.group(cls=_Commands, commands=_OnDemand(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mecano")
 def commands() -> None:
-    """Simulate flexible mechanisms: decks in, results and pictures out.
+    """Simulate flexible mechanisms: solve a deck, write a results file, draw pictures.
 
     \b
     mecano check deck.yaml          check a deck without running it
     mecano run deck.yaml            solve it and write deck.h5
     mecano view deck.yaml           show the model in a browser before it runs
-    mecano modes deck.yaml          modes about its start or equilibrium
+    mecano modes deck.yaml          modes of small motions, root loci
     mecano response deck.yaml       transfer functions, linear model
     mecano margins deck.yaml        stability margins of a control loop
     mecano sweep study.yaml         run a deck many times with varied values
     mecano post deck.h5             draw the standard plots
     mecano export deck.h5           write results as CSV, or for ParaView
     mecano info deck.h5             summarize a results file and its run
-    mecano momentum deck.yaml       momentum and centre of mass over its run
+    mecano momentum deck.yaml ...   momentum and centre of mass over a run
     mecano verify deck.h5           check a file for changed bytes
-    mecano reduce deck.yaml         a superelement of a part
-    mecano import part.pch          a superelement from Nastran
-    mecano list, mecano explain     what a deck can contain
+    mecano reduce deck.yaml         make a superelement of a part
+    mecano import part.pch          make a superelement from Nastran
+    mecano list, mecano explain     describe what a deck can contain
     mecano new pendulum             write a starter deck
     mecano example pendulum         write an example with a known answer
-    mecano schema                   JSON Schema of decks, for editors
-    mecano completion bash          completion by the shell
+    mecano schema                   write the JSON Schema of decks
+    mecano completion bash          print the script for completion
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
-    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
-    SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; for a study, 3 means that
-    not all cases are complete, 8 that all are, and some are beyond the limits of its outputs.
+    output, 6 not finite, 7 out of memory, 1 a bug in mecano. Stopped, with a file for --resume: 75 by --max-walltime
+    or SIGUSR1, 130 by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 152 by SIGXCPU. Of a study: 3 some cases are not
+    complete, 8 all are complete, but some are beyond the limits of its outputs.
     """
 
 

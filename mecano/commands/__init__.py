@@ -63,11 +63,11 @@ def _load(context, parameter, paths):
 
 saved_state = together(
     click.option(
-        "--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start."
+        "--at", metavar="RESULTS.h5:TIME", help="Linearize about the saved state nearest to TIME; default: the start."
     ),
     click.option(
         "--at-rest", is_flag=True,
-        help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
+        help="Linearize about the equilibrium near the state of --at, with its latches and contacts, at zero velocity.",
     ),
 )  # fmt: skip
 axes = click.option(

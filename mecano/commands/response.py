@@ -121,7 +121,7 @@ def response(
 @frequencies(
     "resonances and crossovers",
     "below poles and crossovers",
-    "ten times that at which the loop gain falls below 1; of samples half their frequency",
+    "ten times the frequency at which the loop gain falls below 1; for samples, half the sampling frequency",
 )
 @saved_state
 @axes
@@ -130,11 +130,11 @@ def response(
 @plugins
 @grouped(written=Written)
 def margins(deck: str, written: Written, overrides: tuple[str, ...], **requested: Any) -> None:
-    """Compute the margins of stability of a loop that is opened at a signal.
+    """Compute gain, phase and delay margins of a control loop, opened at a signal.
 
-    In place of the signal, a small sinusoid u goes to whatever reads it; the signal returns y. The loop transfer
-    function is L = -y/u, so that the closed loop has the sensitivity 1/(1 + L). The command prints gain, phase and
-    delay margins, the sensitivity peak, all crossovers, and whether the closed loop is stable, and writes L to a file.
+    A small sinusoid u replaces the signal for everything that reads it, and the signal itself responds with y. The loop
+    transfer function is L = -y/u, and the sensitivity of the closed loop 1/(1 + L). The command prints the margins, the
+    sensitivity peak, all crossovers, and whether the closed loop is stable, and writes L to a file.
     """
     from mecano.analyses.margins import LoopRequest
     from mecano.analyses.margins import margins as find

@@ -65,12 +65,12 @@ class Pages(NamedTuple):
     "plots",
     multiple=True,
     metavar="Y[,Y2][:X]",
-    help="Plot outputs over another one, or over time; of a study, columns of its table. May be repeated.",
+    help="Plot outputs over time, or over output X; for a study, columns of its table. May be repeated.",
 )
 @click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
 @click.option("--density", "densities", multiple=True, metavar="Y[,Y2]", help="Plot power spectral densities.")
-@click.option("--from", "begin", type=float, metavar="T", help="Of --spectrum and --density: only from this time [s].")
-@click.option("--to", "end", type=float, metavar="T", help="Of --spectrum and --density: only to this time [s].")
+@click.option("--from", "begin", type=float, metavar="T", help="With --spectrum, --density: first time used [s].")
+@click.option("--to", "end", type=float, metavar="T", help="With --spectrum, --density: last time used [s].")
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
 @click.option(
     "-o", "--output", type=click.Path(),
@@ -83,7 +83,7 @@ class Pages(NamedTuple):
 @click.option("--above", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=ABOVE)
 @click.option(
     "--measured", metavar="FILE.csv", type=click.Path(),
-    help="Draw its columns, named by their headers as outputs, as points into the plots of these.",
+    help="Measured curves: draw each column, whose header names an output, as points into the plots of it.",
 )  # fmt: skip
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
@@ -104,7 +104,8 @@ def post(
 ) -> None:
     """Draw pictures of results; several files are drawn into the same pictures.
 
-    Without --plot, --spectrum, --density, --at: the standard plots for this model, from the overview to the step size.
+    Without --plot, --spectrum, --density and --at it draws the standard plots: an overview and a picture for each group
+    of elements.
     `mecano info RESULTS --names` lists the names of outputs; vectors have components: --plot axle.position.z,
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 

@@ -107,7 +107,9 @@ class Sweep(NamedTuple):
 @click.command(short_help="Compute modes, root loci and critical values.")
 @click.argument("deck", type=click.Path())
 @saved_state
-@click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
+@click.option(
+    "--number", type=click.IntRange(1), help="Number of modes, from the lowest frequency; default: 10, in a sweep all."
+)
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
     help="Vary a parameter, or any number of the deck (as --set); also NAME=A,B,C, with units 'NAME=1 m,2 ft'. Twice: "
@@ -115,11 +117,11 @@ class Sweep(NamedTuple):
 )  # fmt: skip
 @click.option(
     "--campbell", "rotor", metavar="NODE",
-    help="With --sweep over a speed: Campbell diagram of the rotor with NODE: its critical speeds, whirl of the modes.",
+    help="With --sweep over a speed: Campbell diagram of the rotor with NODE, critical speeds, whirl of the modes.",
 )  # fmt: skip
 @click.option(
     "--order", "orders", type=click.FloatRange(min=0.0, min_open=True), multiple=True, metavar="N",
-    help="A multiple of that angular velocity, may be repeated; default: 1.",
+    help="Multiple of the angular velocity of the rotor; may be repeated; default: 1.",
 )  # fmt: skip
 @axes
 @click.option(
@@ -127,7 +129,7 @@ class Sweep(NamedTuple):
     type=click.Choice(SOLVERS),
     default=SOLVERS[0],
     show_default=True,
-    help="dense: all modes; sparse: those of lowest frequency, of large models; automatic: by the size.",
+    help="dense: all modes; sparse: modes of lowest frequency, for large models; automatic: by size.",
 )
 @click.option(
     "-o",
@@ -159,11 +161,11 @@ def modes(
 ) -> None:
     """Compute modes of small motions about the initial state of a deck, its equilibrium, or a saved state.
 
-    If the deck has 'static' or 'initial: static', the modes are those about the static equilibrium; with 'initial:
-    {steady: ...}', those about steady running, turns or rotation. With --at they are those about a saved state (of that
-    instant, if it moves), with --at-rest those about the equilibrium near it. They are complex, with constraints,
-    damping, gyroscopic and follower terms. The command prints a table, and writes the shapes to a file and, with
-    --plot, to a picture. With --sweep it finds root loci and critical values, with --campbell also critical speeds.
+    With 'static' or 'initial: static' in the deck, modes are about the static equilibrium; with 'initial: {steady:
+    ...}', about steady running, a turn or a rotation; with --at, about a saved state (of that instant, if it moves);
+    with --at-rest, about the equilibrium near it. Modes are complex, with constraints, damping, gyroscopic and follower
+    terms. The command prints a table, and writes the shapes to a file and, with --plot, to a picture. With --sweep it
+    finds root loci and critical values, with --campbell also critical speeds.
     """
     _refuse_unfit(about, swept)
     stem = os.path.splitext(os.path.basename(deck))[0]
@@ -236,9 +238,16 @@ def _sweep(path, deck, overrides, swept, quiet, **options):
 
 @click.command(name="reduce")
 @click.argument("deck", type=click.Path())
-@click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all of the deck.")
+@click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all in the deck.")
 @click.option("--nodes", metavar="A,B,...", required=True, help="Boundary nodes of the part and superelement.")
-@click.option("--modes", "number", metavar="N|all", default="10", show_default=True, help="Modes kept.")
+@click.option(
+    "--modes",
+    "number",
+    metavar="N|all",
+    default="10",
+    show_default=True,
+    help="Number of modes with fixed boundary nodes.",
+)
 @click.option(
     "-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, in this folder."
 )
@@ -256,8 +265,9 @@ def reduce_(
 ) -> None:
     """Reduce a part of a deck to matrices for a superelement.
 
-    Method of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these
-    held, about the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
+    Method of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with fixed
+    boundary nodes, about the unstressed start of the deck, without loads and gravity. The axes of the matrices are
+    those of the first boundary node.
     """
     if number != "all" and not number.isdecimal():
         raise click.BadParameter("must be a whole number or 'all'", param_hint="--modes")
@@ -276,9 +286,15 @@ def reduce_(
 
 @click.command(name="import")
 @click.argument("file", type=click.Path())
-@click.option("--length", metavar="UNIT", default="m", show_default=True, help="Unit of length of the file, as mm.")
 @click.option(
-    "--mass", metavar="UNIT", default="kg", show_default=True, help="Unit of mass of the file, as t or 'lbf s2/in'."
+    "--length", metavar="UNIT", default="m", show_default=True, help="Unit of length of the file, such as mm."
+)
+@click.option(
+    "--mass",
+    metavar="UNIT",
+    default="kg",
+    show_default=True,
+    help="Unit of mass of the file, such as t or 'lbf s2/in'.",
 )
 @click.option(
     "-o", "--output", type=click.Path(), help="File .npz or .h5; default: the file's name with .npz, in this folder."

@@ -60,14 +60,16 @@ class Executor(NamedTuple):
 @click.option("--time-limit", metavar="TIME", help="Wall-clock time of each case: 3600, 2h30m or 02:30:00.")
 @click.option("--memory-limit", type=click.IntRange(1), metavar="MB", help="Memory of each case.")
 @click.option("--resume", is_flag=True, help="Run the cases that are neither complete nor failed.")
-@click.option("--again", type=click.Choice(["failed"]), help="As --resume, and run failed cases from their start.")
+@click.option(
+    "--again", type=click.Choice(["failed"]), help="As --resume, but also run failed cases again from their start."
+)
 @click.option("--force", is_flag=True, help="Delete existing cases and run all.")
 @click.option(
     "--executor",
     type=click.Choice(["local", "slurm", "dask"]),
     default="local",
     show_default=True,
-    help="Who runs the cases: this machine, or a cluster with Slurm or Dask.",
+    help="Where the cases run: on this machine, or on a cluster with Slurm or Dask.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of Dask; default: workers on this machine.")
 @click.option(
@@ -80,7 +82,7 @@ class Executor(NamedTuple):
 )
 @click.option("--wait", is_flag=True, help="With Slurm: wait until all tasks have ended, then write the table.")
 @click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of existing results.")
-@click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
+@click.option("--case", "number", type=int, metavar="N", help="Run only this case, as each task of an array does.")
 @click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, next to the table.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
