@@ -18,7 +18,7 @@ from mecano.schema import BOOLEAN, Field, mapping
 INACTIVE = "inactive"
 COMMAND = "activate"
 SHIFT = "shift"  # beginning of the names of the memory of a set point
-STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its set point is shifted so that it is without force then", False)
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "shift its set point so that it begins without force", False)
 
 
 def since_activation(set_point, i):

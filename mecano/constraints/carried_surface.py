@@ -37,14 +37,14 @@ SURFACES = {
     ),
     "cylinder": mapping(
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field("radius", NUMBER, "m", "of the drum", check=positive),
+        Field("radius", NUMBER, "m", "radius of the drum", check=positive),
         Field("center", POINT, "m", "a point of the axis at the start, inertial; the first node when absent", None),
         Field("inside", BOOLEAN, "-", "whether the wheel rolls on the inner surface", False),
     ),
 }
 FIELDS = (
     Field("plane", SURFACES["plane"], "-", "plane fixed in the first node", None),
-    Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in the first node", None),
+    Field("cylinder", SURFACES["cylinder"], "-", "infinite cylinder, fixed in the first node", None),
 )
 LEAST_DISTANCE = 1e-9  # [m] of the centre from the axis of a drum, where the direction to the wheel is not defined
 LEAST_SLOPE = 1e-6  # [m] bound of -df/dphi, which is positive where the contact is single

@@ -21,7 +21,7 @@ VALUES = {
 FIELDS = (
     Field("backlash", NUMBER, "m", "play of the teeth along the pitch circle; half of it on each side at the start",
           0.0, not_negative),
-    Field("restitution", NUMBER, "-", "of rigid teeth with backlash: ratio of the speeds after and before a shock", 0.0,
+    Field("restitution", NUMBER, "-", "for rigid teeth with backlash: speed after over before a shock", 0.0,
           share),
     TEETH,
     FRICTION,

@@ -71,10 +71,10 @@ def friction_field(backward, speed, doc):
     return Field(
         "friction",
         mapping(
-            Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one",
+            Field("efficiency", NUMBER, "-", "power received by the driven part over the power of the driving part",
                   check=EFFICIENT),
-            Field("backdriving_efficiency", NUMBER, "-", f"the same if power passes {backward}; 0 or less: it locks "
-                  "itself; 'efficiency' when absent", None, BACKDRIVING),
+            Field("backdriving_efficiency", NUMBER, "-", f"the same if power passes {backward}; 0 or less: "
+                  "self-locking; 'efficiency' when absent", None, BACKDRIVING),
             speed,
         ),
         "-", f"{doc}; none when absent", None,

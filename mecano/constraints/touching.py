@@ -36,7 +36,7 @@ CENTRED = 1e-100  # [m] of the middle of a hole, where there is no normal and no
 SURFACE_RECORD = {
     "axis": 3, "origin": 3, "planar": (), "side": (), "distance": (), "first": (), "last": (), "radius": ()
 }  # fmt: skip
-RADIUS = Field("radius", NUMBER, "m", "of the surface", check=positive)
+RADIUS = Field("radius", NUMBER, "m", "radius of the surface", check=positive)
 INSIDE = Field("inside", BOOLEAN, "-", "whether the ball touches it from inside", False)
 
 
@@ -84,11 +84,11 @@ SURFACES = {
 FIELDS = (
     Field("plane", SURFACES["plane"], "-", "plane fixed in node a", None),
     Field("sphere", SURFACES["sphere"], "-", "sphere fixed in node a", None),
-    Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in node a", None),
+    Field("cylinder", SURFACES["cylinder"], "-", "infinite cylinder, fixed in node a", None),
     Field("capsule", SURFACES["capsule"], "-", "cylinder with rounded ends, fixed in node a", None),
-    Field("revolution", SURFACES["revolution"], "-", "surface of revolution without ends, fixed in node a", None),
+    Field("revolution", SURFACES["revolution"], "-", "infinite surface of revolution, fixed in node a", None),
     Field("cam", SURFACES["cam"], "-", "cam of any width, a cylinder over a closed curve, fixed in node a", None),
-    Field("radius", NUMBER, "m", "of the ball around node b", 0.0, not_negative),
+    Field("radius", NUMBER, "m", "radius of the ball around node b", 0.0, not_negative),
 )
 
 

@@ -29,7 +29,7 @@ ALL_POSITIVE = requirement(lambda semi_axes: min(semi_axes) > 0.0, "must be grea
 ELLIPSOID = Field(
     "ellipsoid",
     mapping(
-        Field("semi_axes", NODE_VECTOR, "m", "along the axes of node b", check=ALL_POSITIVE),
+        Field("semi_axes", NODE_VECTOR, "m", "semi-axes along the axes of node b", check=ALL_POSITIVE),
         Field("center", POINT, "m", "centre at the start, inertial; node b when absent", None),
     ),
     "-", "ellipsoid fixed in node b, instead of a ball; for 'plane'", None,

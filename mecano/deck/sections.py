@@ -151,9 +151,9 @@ GROUND_FIELDS = (
     Field("plane", mapping(*PLANE_FIELDS), "-", "plane of the ground, or reference plane of its profile"),
     Field("profile", mapping(*PROFILE_FIELDS), "-", "unevenness; the ground is flat when absent", None),
     Field(
-        "friction", mapping(*GRIP_FIELDS), "-", "friction that varies along the ground: wheels with a tyre law", None
+        "friction", mapping(*GRIP_FIELDS), "-", "friction varying along the ground; for wheels with a tyre law", None
     ),
-    Field("motion", mapping(*MOTION_FIELDS), "-", "motion of a flat ground in its plane: wheel, transient_wheel", None),
+    Field("motion", mapping(*MOTION_FIELDS), "-", "motion of a flat ground; wheel and transient_wheel only", None),
 )
 
 VELOCITY_FIELDS = (
@@ -195,7 +195,7 @@ INITIAL_FIELDS = (
     ),
     Field(
         "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
-        "rigid-body motions of sets of nodes, v = velocity + angular_velocity x (x - about), added one to the other",
+        "rigid-body motions of sets of nodes, v = velocity + angular_velocity x (x - about), added to one another",
         (),
     ),
 )  # fmt: skip
@@ -219,7 +219,7 @@ NEWTON_FIELDS = (
         "force_tolerance",
         NUMBER,
         "-",
-        "residual forces relative to the forces at work; at most a hundredth of 'adaptive.tolerance'; not of radau",
+        "residual forces relative to the forces at work; at most a hundredth of 'adaptive.tolerance'; not for radau",
         1e-7,
         above_rounding,
     ),
@@ -238,7 +238,7 @@ TIME_FIELDS = (
     Field("end", NUMBER, "s", "time at the end"),
     Field(
         "until", CONDITION, "-",
-        "condition of signals, outputs and motions at which the run ends before that, as in hinge.angle > 1.5", None,
+        "condition on signals, outputs and motions at which the run ends before 'end', as in hinge.angle > 1.5", None,
     ),
     Field("step", NUMBER, "s", "time step; with 'adaptive' the first one", check=positive),
     Field(
@@ -249,7 +249,7 @@ TIME_FIELDS = (
     ),
     Field(
         "rho_inf", NUMBER, "-",
-        "spectral radius at infinite frequency: 1 is no numerical damping, 0 most; not of radau", 0.8, spectral_radius,
+        "spectral radius at infinite frequency; 1: no numerical damping, 0: most; not for radau", 0.8, spectral_radius,
     ),
     Field("adaptive", mapping(*ADAPTIVE_FIELDS), "-", "step size from the error; a fixed step when absent", None),
     Field(

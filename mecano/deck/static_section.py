@@ -77,10 +77,10 @@ STATIC_FIELDS = (
     ),
     STEPS_FIELD,
     Field(
-        "minimum_step", NUMBER, "-", "the run stops if a smaller share of the first step is needed", 1e-4, below_one
+        "minimum_step", NUMBER, "-", "the run stops if a smaller fraction of the first step is needed", 1e-4, below_one
     ),
     Field("maximum_steps", INTEGER, "-", "steps after which arc_length gives up (exit code 3)", 1000, at_least_one),
-    Field("lowest", NUMBER, "-", "load factor at which arc_length stops when it decreases", -math.inf),
+    Field("lowest", NUMBER, "-", "arc_length stops if the load factor falls to this value", -math.inf),
     Field("until", mapping(*UNTIL_FIELDS), "-", "displacement at which arc_length stops", None),
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
     Field("newton", mapping(*STATIC_TOLERANCES), "-", "convergence criteria of an equilibrium", {}),

@@ -24,5 +24,5 @@ def friction(laws, law, eps, u):
 
 def regularization(speed="sliding speed"):
     """Return the field of the ``speed`` below which friction is regularized, epsilon [m/s]."""
-    doc = f"{speed} at which friction reaches its full value; what sticks creeps below it"
+    doc = f"{speed} at which friction reaches its full value; below it, sticking parts creep"
     return Field("regularization", NUMBER, "m/s", doc, check=positive)

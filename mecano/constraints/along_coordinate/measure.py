@@ -15,7 +15,7 @@ from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec
 
-OVER_TURNS = "rotation of b relative to a about the axis since the start, over any turns"
+OVER_TURNS = "rotation of b relative to a about the axis since the start, over any number of turns"
 
 
 @immutable

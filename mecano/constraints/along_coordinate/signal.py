@@ -11,8 +11,8 @@ VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")
 INITIAL = Field("initial", NUMBER, OF_VALUE, "value at the start", 0.0)
 UNIT_OF_VALUE = Field(
-    "unit", UNIT, "-", "unit of the value, such as N m or deg; values are in SI units, which results state: N m, rad; "
-    "pictures show this unit. When absent, that of the input, formula or use, where it follows from these", None,
+    "unit", UNIT, "-", "unit of the value in pictures, such as N m or deg; results are in SI units; when absent, it "
+    "follows from the input, the formula or the use, where these determine it", None,
 )  # fmt: skip
 
 

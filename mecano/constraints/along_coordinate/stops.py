@@ -86,7 +86,7 @@ def latch_kind(name, doc, coordinate):
         name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"latch_{what}", unit, f"{what} of the latch on b, towards increasing {of}"),
-            Output("latched", "-", "1 while it is locked, 0 else"),
+            Output("latched", "-", "1 while it is locked, otherwise 0"),
         ),
         multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
         phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
@@ -125,7 +125,7 @@ def stop_kind(name, doc, coordinate):
         name=name, doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"stop_{what}", unit, f"{what} of the stop on b, towards increasing {of}"),
-            Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
+            Output("stopped", "-", "-1 at the lower stop, 1 at the upper stop, 0 between them"),
         ),
         multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
         phases=STOP_PHASES, events=stop_events("stop", "reaction of the stop"), memory=("held",),

@@ -4,7 +4,7 @@ from mecano.laws.formula import difference_of
 from mecano.schema import CONDITION, NUMBER, Field, mapping
 
 TIME = Field("time", NUMBER, "s", "time at which it happens", None)
-WHEN = Field("when", CONDITION, "-", "condition of signals, outputs and motions that makes it happen", None)
+WHEN = Field("when", CONDITION, "-", "condition on signals, outputs and motions at which it happens", None)
 TRIGGER = mapping(TIME, WHEN)
 
 

@@ -10,7 +10,7 @@ superelement, which are those of its first node at the start. ``mecano reduce`` 
 including the shapes that recover the motion of the inner nodes. The nodes of the deck must be arranged like
 ``positions``.
 
-Exact are: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the
+Exact: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the
 balances of momentum and energy, small vibrations about a state of rest. Neglected are: coupling among deformations (no
 stiffening by internal forces, no foreshortening by bending), and the velocities of the inner modes due to the rotation
 of the frame, that is, their contributions to the centrifugal and Coriolis forces. Divide a part into several

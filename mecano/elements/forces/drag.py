@@ -76,7 +76,7 @@ DRAG = on_demand(
         layout=("x0",),
         fields=(
             Field("node", NODE, "-", "node that it acts on"),
-            Field("area", NUMBER, "m2", "A, across the stream", check=positive),
+            Field("area", NUMBER, "m2", "area A across the stream", check=positive),
             Field("coefficient", NUMBER, "-", "c_d", check=positive),
             Field("density", NUMBER, "kg/m3", "rho of the fluid; air at sea level when absent", AIR, positive),
             Field("direction", DIRECTION, "-", "direction of the stream, inertial, made a unit vector", None),

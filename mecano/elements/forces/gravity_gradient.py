@@ -128,8 +128,8 @@ GRAVITY_GRADIENT = Kind(
               (0.0,) * 3),
         Field("rate", NUMBER, "rad/s", "n, mean motion of the orbit: square root of mu/r^3", check=positive),
         Field("normal", DIRECTION, "-", "normal of the orbit, about which it turns, inertial"),
-        Field("radial", DIRECTION, "-", "direction from the centre of attraction at t = 0, inertial; its part normal "
-              "to 'normal' counts"),
+        Field("radial", DIRECTION, "-", "direction from the centre of attraction at t = 0, inertial; only its part "
+              "normal to 'normal' counts"),
         Field("center", POINT, "m", "point o on the orbit; the origin when absent", None),
     ),
     outputs=(

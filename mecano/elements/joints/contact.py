@@ -160,7 +160,7 @@ _ALWAYS_ACTIVE = Kind(
         Field("damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the law", 0.0, not_negative),
         friction_fields(),
         Field(
-            "restitution", NUMBER, "-", "of a rigid contact: ratio of the speeds after and before a shock", 0.0, share
+            "restitution", NUMBER, "-", "for a rigid contact: ratio of the speeds after and before a shock", 0.0, share
         ),
     ),
     outputs=(
@@ -170,7 +170,7 @@ _ALWAYS_ACTIVE = Kind(
         Output("sliding_speed", "m/s", "speed of the ball along the surface at the contact; zero without friction"),
         Output("force", "N", "force of the surface on the ball, inertial", (3,)),
         Output("point", "m", "point of the ball nearest to the surface, inertial", (3,), geometric=True),
-        Output("closed", "-", "1 while they touch, 0 else"),
+        Output("closed", "-", "1 while they touch, otherwise 0"),
     ),
     multipliers=(NORMAL,),
     phases=PHASES,

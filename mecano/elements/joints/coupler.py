@@ -276,7 +276,7 @@ COUPLER = Kind(
         friction_field(
             "from the other coordinates to the first one",
             Field("regularization", NUMBER, "-", "rate of coordinate 1, in its unit per second, at which friction "
-                  "reaches its full value; what sticks creeps below it", check=positive),
+                  "reaches its full value; below it, sticking parts creep", check=positive),
             "friction proportional to the loads: the efficiency of the first coordinate with all the others",
         ),
     ),

@@ -153,8 +153,8 @@ _PAIR = Kind(
         ),
     ),
     outputs=(
-        *angle_outputs("rotation of a relative to the carrier about its axis since the start, any turns", "_a"),
-        *angle_outputs("rotation of b relative to the carrier about its axis since the start, any turns", "_b"),
+        *angle_outputs("rotation of a in the carrier about its axis since the start, over any number of turns", "_a"),
+        *angle_outputs("rotation of b in the carrier about its axis since the start, over any number of turns", "_b"),
         Output("force", "N", "tangential force on a at radius_a, without friction; > 0 turns a about +axis_a"),
     ),
     memory=("angle_a", "angle_b"),

@@ -183,13 +183,13 @@ GRIP = Kind(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
         Field("close", TRIGGER, "-", "when it closes: {time: ...} or {when: ...}", None),
         Field("release", TRIGGER, "-", "when it opens for good: {time: ...} or {when: ...}; never when absent", None),
-        Field("while", CONDITION, "-", "condition of signals, outputs and motions during which it is closed", None),
+        Field("while", CONDITION, "-", "condition on signals, outputs and motions: closed while it is true", None),
         Field("rotation", BOOLEAN, "-", "whether it also holds the rotation of b", True),
     ),
     outputs=(
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
-        Output("closed", "-", "1 while it holds b, 0 else"),
+        Output("closed", "-", "1 while it holds b, otherwise 0"),
     ),
     multipliers=(
         *(Row(f"force of the grip along axis {i} of a", "N", "m") for i in (1, 2, 3)),

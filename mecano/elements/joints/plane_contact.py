@@ -76,13 +76,13 @@ PLANE_CONTACT = Kind(
     fields=(
         Field("node", NODE, "-", "the node, which may have mass of its own or move with others"),
         Field("ground", GROUND, "-", "the ground, a plane"),
-        Field("radius", NUMBER, "m", "of the ball around the node that touches", 0.0, not_negative),
+        Field("radius", NUMBER, "m", "radius of the ball around the node", 0.0, not_negative),
         Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     ),
     outputs=(
         Output("gap", "m", "distance from the plane", geometric=True),
         Output("normal_force", "N", "force of the plane on the node; impulses are recorded with the events"),
-        Output("closed", "-", "1 while it touches, 0 else"),
+        Output("closed", "-", "1 while it touches, otherwise 0"),
     ),
     multipliers=(Row("normal force of the plane", "N", "m", unilateral=True),),
     phases=("air", "contact"),

@@ -62,7 +62,7 @@ _RIGID = Kind(
         Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; fixed in both nodes"),
         Field(
             "direction", DIRECTION, "-",
-            "of the rack at the start, inertial, fixed in a; positive rotation moves b along it",
+            "direction of the rack at the start, inertial, fixed in a; positive rotation moves b along it",
         ),
         Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
     ),

@@ -46,7 +46,7 @@ from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
-PIN_LENGTH = "distance of both ends of each pin, which carry the couple; when absent the couple causes no friction"
+PIN_LENGTH = "distance between the ends of each pin, which carry the couple; when absent the couple causes no friction"
 ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py; the first one stands for the cross
 
 
@@ -207,8 +207,8 @@ UNIVERSAL_RUBBING = Kind(
         compliance_field((CROSS, *ELASTIC[1:])),
     ),
     outputs=(
-        *angle_outputs("rotation of the cross about axis_a since the start, over any turns", "_a"),
-        *angle_outputs("rotation of b about axis_b since the start, over any turns", "_b"),
+        *angle_outputs("rotation of the cross about axis_a since the start, over any number of turns", "_a"),
+        *angle_outputs("rotation of b about axis_b since the start, over any number of turns", "_b"),
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b about axis_b x axis_a"),
     ),

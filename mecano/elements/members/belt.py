@@ -123,7 +123,7 @@ def sample(rng):
     return [(hoist, nodes, ""), (drive, nodes[1:3], ""), *creeping, *(({**hoist, **more}, nodes, "") for more in timed)]
 
 
-STRESS_FREE = Field("stress_free", BOOLEAN, "-", "the tension of its spans at that instant is its pretension", False)
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its spans have the pretension when it begins to act", False)
 BELT = Kind(
     name="belt",
     section="elements",
@@ -131,7 +131,7 @@ BELT = Kind(
     display=Display("belt"),
     fields=(
         Field("nodes", NODES, "-", "points and centres of pulleys, as the belt runs"),
-        Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at a point"),
+        Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0 at a point"),
         Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial"),
         Field("closed", BOOLEAN, "-", "whether it runs from the last node back to the first", False),
         AXIAL_STIFFNESS,

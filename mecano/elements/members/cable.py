@@ -244,7 +244,7 @@ WINDER_FIELDS = (
           "then elastic; hold: the same, then inextensible (docs/shocks.md)", "stretch"),
     Field("payout_tension", CURVE, "N",
           "a winder pays the cable out, from the initial distance to the natural length, at this tension: a function "
-          "of the rate of the distance [m/s], which limits the rate where it rises; no winder when absent", None,
+          "of the rate of the distance [m/s], which limits the rate if it increases; no winder when absent", None,
           argument="m/s"),
 )  # fmt: skip
 OUTPUTS = (
@@ -335,7 +335,7 @@ WOUND_CABLE = replace(
     commit=wound_line.commit,
 )
 STRESS_FREE = Field(
-    "stress_free", BOOLEAN, "-", "it has only its pretension then, at the distance that it finds", False
+    "stress_free", BOOLEAN, "-", "when it begins to act it has only its pretension, whatever the distance", False
 )
 CABLE = with_activation(
     replace(_GIVEN, variant=lambda d: WOUND_CABLE if any(_winds(d).values()) else _GIVEN.chosen(d)), "cable", None,

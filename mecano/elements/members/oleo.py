@@ -290,7 +290,7 @@ GAS_FIELDS = (
     Field("volume", NUMBER, "m3", "volume V_1 of the gas in the extended strut", check=positive),
     Field("area", NUMBER, "m2", "area A_g by which the stroke compresses the gas", check=positive),
     Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic", 1.3, positive),
-    Field("ambient_pressure", NUMBER, "Pa", "pressure p_a of the air around", 101325.0, positive),
+    Field("ambient_pressure", NUMBER, "Pa", "pressure p_a of the ambient air", 101325.0, positive),
 )
 SECOND_FIELDS = (
     Field("pressure", NUMBER, "Pa", "absolute pressure p_2 at which its separator opens", check=positive),
@@ -298,7 +298,7 @@ SECOND_FIELDS = (
     Field("exponent", NUMBER, "-", "polytropic exponent n_2; that of the first gas when absent", None, positive),
 )
 SEAL_FIELDS = (
-    Field("coefficient", NUMBER, "-", "friction over the force of the gas less that of the air", check=positive),
+    Field("coefficient", NUMBER, "-", "friction over the net force of gas and ambient air", check=positive),
     regularization("speed of the piston"),
 )
 OIL_FIELDS = (
@@ -313,7 +313,7 @@ OIL_FIELDS = (
     ),
     Field(
         "recoil_area", NUMBER, "m2",
-        "area of the recoil chamber, from which the rebound displaces oil; without such a chamber when absent", None,
+        "area of the recoil chamber, from which the rebound displaces oil; no such chamber when absent", None,
         positive,
     ),
     Field("volume", NUMBER, "m3", "volume V of the oil under pressure", check=positive),

@@ -277,7 +277,7 @@ def sample(rng):
 
 FIELDS = (
     Field("nodes", NODES, "-", "a point, the centres of the pulleys as the cable runs, and a point"),
-    Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at both points"),
+    Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0 at both ends"),
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
     AXIAL_STIFFNESS,
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
@@ -314,5 +314,5 @@ _ALWAYS_ACTIVE = Kind(
     **_functions(strain_by(of_law)),
 )
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys
-STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its tension at that instant is its pretension", False)
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "when it begins to act, its tension is its pretension", False)
 REEVED_CABLE = with_activation(_ALWAYS_ACTIVE, "cable", LYING, (_ALWAYS_ACTIVE, (1, 2, 3, *LYING)), STRESS_FREE)

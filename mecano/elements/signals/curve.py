@@ -19,7 +19,7 @@ from mecano.maths.dual import number
 from mecano.schema import CURVE as CURVE_LAW
 from mecano.schema import Field
 
-SLOPE = Output("slope", OF_SLOPE, "dc/du; of the input time the rate")
+SLOPE = Output("slope", OF_SLOPE, "dc/du; the rate, if the input is the time")
 OWN, U = 0, 1  # local unknowns: the value; the input
 
 

@@ -53,15 +53,15 @@ ENVELOPING = Field(
     mapping(
         Field("contact_length", NUMBER, "m", "length of the contact, under the usual load", check=positive),
         Field(
-            "contact_width", NUMBER, "m", "width of the contact, for obstacles met at an angle: five cams side by "
-            "side; one, which meets all obstacles squarely, when 0", 0.0, not_negative,
+            "contact_width", NUMBER, "m", "width of the contact, for obstacles met at an angle, by five cams "
+            "side by side; 0: one cam, which meets all obstacles squarely", 0.0, not_negative,
         ),
         Field("distance", NUMBER, "-", "distance l of the cams, over the length of the contact", 0.8, positive),
         Field("cam_length", NUMBER, "-", "a_c, half length of a cam over the radius of the tyre", 1.0, share),
         Field("cam_height", NUMBER, "-", "b_c, half height of a cam over the radius of the tyre", 1.0, positive),
         Field("cam_exponent", NUMBER, "-", "exponent e of the outline of a cam", 1.8, positive),
     ),
-    "-", "obstacles shorter than the contact, on a ground with a 'profile': wheel, transient_wheel", None,
+    "-", "obstacles shorter than the contact, on a ground with a 'profile'; for wheel and transient_wheel", None,
 )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ OUTPUTS = (
     Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a", rate="y_rate"),
     Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n", rate="psi_rate"),
     Output(
-        "bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; else zero",
+        "bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; otherwise zero",
         rate="bow_rate",
     ),
     Output("tire_force", "N", "force F of the lateral law along y"),

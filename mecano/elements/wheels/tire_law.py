@@ -52,7 +52,7 @@ LAW_FIELDS = (
     *ROLLING_FIELDS,
     ENVELOPING,
     CROWN,
-    Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch: flexible wheels", None),
+    Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch; for flexible wheels", None),
     SMILEY_HORNE,
 )  # fmt: skip
 
