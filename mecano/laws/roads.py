@@ -145,7 +145,7 @@ RANDOM = Term(
         Field("waves", INTEGER, "-", "number of cosines", 100,
               requirement(lambda n: 1 <= n <= 2000, "must lie between 1 and 2000")),
         Field("seed", INTEGER, "-", "seed of the random phases", 1, not_negative),
-        Field("lead_in", NUMBER, ARGUMENT, "length of the smooth rise from a flat road; without it, waves everywhere", 0.0,
+        Field("lead_in", NUMBER, ARGUMENT, "length of the smooth rise from a flat road; none when absent", 0.0,
               not_negative),
         Field("start", NUMBER, ARGUMENT, "where the lead-in begins: flat before", 0.0),
         Field("origin", NUMBER, ARGUMENT, "by how much the waves are shifted: the same road, met later", 0.0),

@@ -5,7 +5,7 @@ the node,
 
 .. math::  F = \tfrac12 \rho\, c_d A\, |w - v|\,(w - v)
 
-The power of the force, F.v, is what the stream gives, F.w, less what is dissipated, F.(w - v).
+The power of the force, F.v, is the power that the stream gives, F.w, minus the dissipated power, F.(w - v).
 """
 
 import numpy as np

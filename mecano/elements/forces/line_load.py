@@ -1,6 +1,6 @@
 r"""Loads along a line of nodes, such as those of a beam: a force or a moment per length.
 
-Each node carries the load of half of both neighbouring segments, whose lengths are those at the start:
+Each node carries half of the load on both adjacent segments, whose lengths are those at the start:
 
 .. math::  F_i = \tfrac12 (\ell_{i-1} + \ell_i)\, q\, d
 

@@ -4,7 +4,7 @@ Without ``law`` the contact is rigid: it closes with a shock (docs/shocks.md), r
 ``restitution``, and opens where the normal force N, its multiplier, falls to zero. While closed it is held at the gap
 of the last step before the shock.
 
-With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, and damped after Hunt and Crossley:
+With a ``law`` of the depth w by which the bodies overlap it is elastic, and damped after Hunt and Crossley:
 
 .. math::  N = F(w)\,\max(0, 1 + c\,\dot w)
 
@@ -12,18 +12,23 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
 resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N, and in a shock as an impulse
 by Coulomb's law.
-Node a needs an orientation (a body, a beam or the ground), with friction, a rod or an ellipsoid node b, too. A capsule
-or a box that touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder
-has no ends; a pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution``
-(a drum, cone or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``cam`` has a radius
-that depends on the angle about its axis; a follower with a roller, the ball, leaves it where the cam would have to
-pull. A ``rod`` in place of the ball, a capsule, touches another capsule or cylinder in one point. Where both are
-parallel, the force acts in the middle of the part along which they touch, and does not resist their turning: two long
-parallel bodies need a contact near each end.
-An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane. A ``face`` in its
-place, a flat follower, touches a convex cam in the point that is farthest along its normal.
-With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
-is activated begins to act where it no longer does, whether or not the condition still holds there.
+
+* A ``cylinder`` is infinite. Model a pin in a hole by a ball of the radius of the pin ``inside`` a cylinder.
+* A ``revolution`` (a drum, cone or groove) has the radius ``profile``; the ball touches the nearest point of its
+  meridian.
+* A ``cam`` has a radius that depends on the angle about its axis; a follower with a roller, the ball, leaves it where
+  the cam would have to pull. A ``face`` in place of the ball, a flat follower, touches a convex cam in the point
+  farthest along its normal.
+* A ``rod`` in place of the ball, a capsule, touches another capsule or cylinder in one point. Where both are parallel,
+  the force acts in the middle of the part along which they touch, and does not resist their turning: two long parallel
+  bodies need a contact near each end.
+* An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane.
+
+Model a capsule or a box on a plane by a ball at each end or corner, on nodes attached to the body. Node a needs an
+orientation (a body, a beam or the ground); with friction, a rod or an ellipsoid, node b needs one, too.
+
+With ``activate`` a contact exerts no force before that instant, with ``release`` none after it. A rigid contact whose
+bodies overlap when it is activated begins to act when they no longer overlap, whether or not the condition still holds.
 """
 
 import math

@@ -15,15 +15,16 @@ by an angle passes its radius times this angle from one span to the next, and th
 A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
 the stiffness of a span does not change with its length. All pulleys lie nearly in one plane; the belt stays on them.
 
-With ``creep: true`` the belt sticks to each pulley where it comes onto it, and leaves it with the strain of the next
-span: a loaded drive creeps. With the tensions of the tight and the slack span the driven pulley turns at (EA +
-T_slack)/(EA + T_tight) of the speed that the radii give; the rest is dissipated. The stretch of a span includes its
-``creep``.
+With ``creep: true`` the belt sticks to each pulley where it runs onto it, and leaves it with the strain of the next
+span: a loaded drive creeps. The driven pulley turns at the fraction (EA + T_slack)/(EA + T_tight) of the speed that the
+radii imply, with the tensions of the slack and the tight span; the rest is dissipated. The stretch of a span includes
+its ``creep``.
 
-With ``activate`` the belt carries no force before, and its energy at that instant is given. The stretch of its spans
-counts from the start, and includes all turns of the pulleys since; with ``stress_free`` the belt has its ``pretension``
-at that instant, on pulleys in any position, as in a drive that is engaged. A ``release`` cuts all of it: it carries no
-force from then on, and its elastic energy is lost. Neither changes velocities at once.
+With ``activate`` the belt carries no force before that instant, and the surroundings give its elastic energy at that
+instant. The stretch of its spans counts from the start, and includes all turns of the pulleys since; with
+``stress_free`` the belt then has its ``pretension``, on pulleys in any position, as in a drive that is engaged. A
+``release`` cuts the whole belt: from then on it carries no force, and its elastic energy is lost. Neither changes
+velocities at once.
 """
 
 import numpy as np

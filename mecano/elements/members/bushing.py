@@ -14,11 +14,11 @@ rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector, where the
 .. math::  f_{x_b} = R_a \mu^T n = -f_{x_a}, \qquad f_{\Theta_b} = \xi^T T^{-T} m, \qquad
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
 
-``laws`` add a law for single axes, with free play and stops: along an axis as a function of d, about an axis of
-the sines of tilt or of the twist. The set points :math:`e_0` (``natural``) of the matrices and laws are laws of time or
-formulas of signals; their power :math:`-(n, m) \cdot \dot e_0` is given by the surroundings. A bushing without
-``laws`` may have an ``activate``, before which it has no force, with ``stress_free`` at e = 0; and a ``release``, from
-which on it has no force, and its elastic energy is lost.
+``laws`` add laws for single axes, with free play and stops: along an axis as a function of d, about an axis as a
+function of the sine of the tilt or of the twist. The set points :math:`e_0` (``natural``) of the matrices and laws are
+laws of time or formulas of signals; the surroundings give their power :math:`-(n, m) \cdot \dot e_0`. A bushing without
+``laws`` may have an ``activate``, before which it exerts no force (with ``stress_free`` it begins at e = 0), and a
+``release``, after which it exerts no force and its elastic energy is lost.
 """
 
 from dataclasses import replace

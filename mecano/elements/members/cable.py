@@ -9,13 +9,14 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
-length, where an event says that it is relaxed. A ``release`` cuts the cable: it carries no force from then on, its
-elastic energy is lost at that instant, and its mass stays; ``release: {when: rope.tension > 5000}`` breaks it. With
-``activate`` it carries no force before, and the energy that it has then is given; ``stress_free``, its natural
-length is shifted so that it has only its ``pretension`` then, as a cable that is hooked on.
+length, at which the event ``is relaxed`` occurs. A ``release`` cuts the cable: from then on it carries no force, its
+elastic energy is lost at that instant, and its mass remains; ``release: {when: rope.tension > 5000}`` breaks it. With
+``activate`` the cable carries no force before that instant, and the surroundings give its elastic energy at that
+instant; with ``stress_free`` its natural length is shifted so that it then has only its ``pretension``, as a cable that
+is hooked on.
 
-A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
-winder). With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
+A varying natural length, a law of time or a formula of signals, does work, which the surroundings (a winder) supply.
+With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
 
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L

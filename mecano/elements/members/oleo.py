@@ -10,19 +10,19 @@ the fully extended length, and the piston speed u at which oil passes the orific
   reaches its pressure :math:`p_2`; from there both have the same pressure, with
   :math:`V_1 (p_1/p_g)^{1/n} + V_2 (p_2/p_g)^{1/n_2} = V_1 + V_2 - A_g s`.
 * seals: the gas presses them on the piston; they rub with :math:`\mu_s (p_g - p_a) A_g` against its motion.
-* oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
-  recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
-  Below the ``laminar_speed`` :math:`u_0` the flow is laminar, and the orifices blend: with the factors
-  :math:`r_c, r_r` of compression and rebound the laminar part is
-  :math:`u_0 (\frac{r_c + r_r}{2} u + \frac{r_c - r_r}{2} (\sqrt{u^2 + u_0^2} - u_0))`. So small motions about rest have
-  the mean of both, and not one of them by the sign of a rounded speed. Of a sharp-edged round orifice, whose pressure
+* oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has its own orifice (a
+  recoil valve) and, with a recoil chamber, the area of this chamber in place of :math:`A_h`; without one the oil is
+  sucked back. Below the ``laminar_speed`` :math:`u_0` the flow is laminar, and the factors :math:`r_c, r_r` of
+  compression and rebound blend: the laminar part is
+  :math:`u_0 (\frac{r_c + r_r}{2} u + \frac{r_c - r_r}{2} (\sqrt{u^2 + u_0^2} - u_0))`. Small motions about rest
+  therefore have the mean of both, whatever the sign of a rounded speed. For a sharp-edged round orifice, whose pressure
   drop at slow flow is :math:`50.4\,\mu Q/(\pi d^3)` (Wuest, in Merritt, Hydraulic Control Systems, 1967),
   :math:`u_0 = 22\,C_d^2\,\nu \sqrt{A_o}/A_h`, with the kinematic viscosity :math:`\nu`: 0.1 to 1 mm/s in landing gears.
 * the oil in the chamber is compressed by c, the unknown of the element: :math:`u = \dot s - \dot c` and
   :math:`F_h = k c` with :math:`k = K A_h^2/V`.
 
-N > 0 pulls the nodes together. A ``law`` of the extension -s adds stops and dry friction; friction from the reactions
-of the bearings is that of the joint (``friction`` of a cylindrical joint). Gas and compressed oil store energy,
+N > 0 pulls the nodes together. A ``law`` of the extension -s adds stops and dry friction; for friction from the
+reactions of the bearings use ``friction`` of the cylindrical joint. Gas and compressed oil store energy,
 the orifice dissipates :math:`F_h u`. Cavitation is not modelled: it begins where ``oil_pressure`` falls to zero.
 """
 

@@ -11,7 +11,7 @@ at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the 
 
 .. math::  \ell = \sum \sqrt{|d|^2 - (\rho_j - \rho_i)^2} + \sum \rho_i\,(\psi_i^+ - \psi_i^-)
 
-With the natural length :math:`L(t)`, that at the start plus the ``payout`` (a law of time or a signal), the axial
+With the natural length :math:`L(t)`, its value at the start plus the ``payout`` (a law of time or a signal), the axial
 stiffness EA and the damping time :math:`\tau`, the forces on all nodes follow from the gradient of the length:
 
 .. math::  \varepsilon = \frac{\ell - L}{L}, \qquad N = EA\,(\varepsilon + \tau \dot\varepsilon), \qquad
@@ -22,14 +22,14 @@ as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` an
 cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction). A
 ``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
 
-With ``activate`` it carries no force before, and the energy that it has then is given. Its natural length is that at
-the start; with ``stress_free`` it has its ``pretension`` on the path at that instant, from which its natural length
-follows, and only the payout from then on is added. Its arcs are followed from the start in both cases. Before
-the activation its nodes may be anywhere; where no path is possible, its outputs are zero.
+With ``activate`` the cable carries no force before that instant, and the surroundings give its elastic energy at that
+instant. Its natural length follows from the path at the start; with ``stress_free`` it follows from the path at the
+activation, where the tension is ``pretension``, and only the payout from then on is added. Arcs are counted from the
+start in both cases. Before the activation the nodes may be anywhere; where no path is possible, the outputs are zero.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
-pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
-pulley, where the arc would become negative (without this pulley its path is another one), and where a span vanishes.
+pulleys are allowed (``inclination``). Arcs at the start must be less than one turn. The run ends where the cable leaves
+a pulley, because the arc would become negative and the path change, and where a span vanishes.
 """
 
 import math

@@ -2,11 +2,11 @@ r"""Curve: a law of its input, such as a table of commands over time, a characte
 
 .. math::  y = c(u)
 
-``slope`` is dc/du: of a path over the input ``time`` the rate, for example of a feedforward.
+``slope`` is dc/du. With the input ``time`` it is the rate of a path, for example for a feedforward.
 
-With the input ``time``, or a straight line of the time that rises, such as ``20*time - 3``, it is a law of time: steps
-end at its breakpoints, and it may prescribe a motion. In a function of anything else they are corners of the signal, as
-those of ``max`` and ``abs``.
+With the input ``time``, or an increasing linear function of it such as ``20*time - 3``, the curve is a law of time:
+steps end at its breakpoints, and it may prescribe a motion. With any other input, its breakpoints are corners of the
+signal, like those of ``max`` and ``abs``, at which no step ends.
 """
 
 from mecano.constraints.along_coordinate.signal import OF_SLOPE, VALUE, signal_of_input

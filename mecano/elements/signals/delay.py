@@ -3,9 +3,9 @@ r"""Delay: the input at an earlier time.
 .. math::  y(t) = u(t - T)
 
 Before the start, the input has its initial value; in an equilibrium it has no other. The values of accepted steps are
-stored, at most one for each 1/256 of the delay, and both values at events where it jumps, and interpolated by cubics
-that do not overshoot. In a step longer than the delay, the value at its end is part of a linear interpolation. Time
-steps end where a jump arrives, as that of a 'switch', of a 'sample_and_hold' or of a law of time.
+stored, at most one for each 1/256 of the delay, and both values at events where the input jumps; they are interpolated
+by cubics that do not overshoot. In a step longer than the delay, values are interpolated linearly up to the value at
+its end. Time steps end where a jump of a 'switch', a 'sample_and_hold' or a law of time arrives.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input

@@ -2,14 +2,15 @@ r"""Sample and hold: the input at the last sampling time, as in a digital contro
 
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
-Time steps end at all sampling times; the first one is the start of the run. In an equilibrium the value is the input.
-With an 'initial' value it is that instead, and the first sample is the one at t_0 + T. Samples are rounded to whole
-multiples of the 'resolution', as an encoder or a converter does, halves upwards; an equilibrium, and thus modes and
-margins, have the input itself.
+Time steps end at all sampling times, the first of which is the start of the run. In an equilibrium the value is the
+input. If 'initial' is given, the value is 'initial' in an equilibrium and in the first period, and the first sample is
+taken at t_0 + T. Samples are rounded to whole multiples of the 'resolution', halves upwards, like those of an encoder
+or a converter. In an equilibrium, and thus in modes and margins, the input is not rounded.
 
-What jumps at a sampling time, such as a 'switch', a law of time or another 'sample_and_hold', is sampled before its
-jump: of two with one period in a row, the second is late by one period, as a controller that computes for so long.
-One that reads its own value is a discrete filter or integrator: y(t_k) depends on y(t_(k-1)).
+A quantity that jumps at a sampling time, such as a 'switch', a law of time or another 'sample_and_hold', is sampled
+before its jump. If one 'sample_and_hold' reads another of the same period, it is therefore late by one period, like a
+controller that needs a period to compute. If it reads its own value, it is a discrete filter or integrator: y(t_k)
+depends on y(t_(k-1)).
 """
 
 import math

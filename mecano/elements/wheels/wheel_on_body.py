@@ -10,12 +10,12 @@ the material of the surface at the contact C, which moves with v_g = v_a + omega
     force and moment     F, M of the slip law; its velocities of the axle and of the spin are those in axes that turn
                          with the surface, times R/(R + r) along t on a drum of the radius R
 
-The contact on a drum follows the lean and the heading of the wheel. The force F + N n
-acts at C on the wheel and with the opposite sign on the body, and so does M: momentum is exchanged between both, and
-the work of a driven drum is supplied by its motor, not by this element. Motions of the first node may be prescribed.
+The contact on a drum follows the lean and the heading of the wheel. The force F + N n acts at C on the wheel and with
+the opposite sign on the body, and so does M, so that momentum is conserved. The motor of a driven drum supplies its
+work, not this element. Motions of the first node may be prescribed.
 
-Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of the wheel. A drum has no ends. Its
-curvature enters the rolling at the effective radius, not the stiffness and the patch of the tyre.
+Validity: as for the kind ``wheel``. Inside a drum, its radius must exceed that of the wheel. A drum is infinitely wide.
+Its curvature affects the rolling at the effective radius, but not the stiffness and the patch of the tyre.
 """
 
 from functools import partial
