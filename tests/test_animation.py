@@ -88,7 +88,7 @@ def test_a_quantity_that_is_zero_throughout_is_not_offered_as_a_colour(results):
 
 
 def test_what_cannot_be_played_is_reported(results, tmp_path):
-    with pytest.raises(UsageError, match="ends with .html"):
+    with pytest.raises(UsageError, match="end with .html"):
         animate(results / "wheel_drop.h5", tmp_path / "page.png")
     with pytest.raises(ResultsError, match="cannot write"):
         animate(results / "wheel_drop.h5", "/proc/page.html")

@@ -124,7 +124,7 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
             "type: hinge",
             "type: clockwork",
             "unknown type 'clockwork'",
-            "`mecano list` lists all; the file of a plugin is named by --plugin",
+            "`mecano list` lists all; name the file of a plugin by --plugin",
         ),
         ("value: 1.0", "value: {linear: 3 rad/s}", "'value.linear' must be a mapping", "write {slope: 3 rad/s}"),
         ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),

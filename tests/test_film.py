@@ -114,7 +114,7 @@ def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_pat
 def test_what_cannot_be_filmed_is_reported(path, tmp_path, monkeypatch):
     with pytest.raises(UsageError, match="a film has no plots"):
         animate(path, tmp_path / "a.gif", ["one_beam.stress"])
-    with pytest.raises(UsageError, match="ends with .html, .gif or .webp or .mp4"):
+    with pytest.raises(UsageError, match="end with .html, .gif or .webp or .mp4"):
         animate(path, tmp_path / "a.avi")
     with pytest.raises(ResultsError, match="cannot make the folder /proc/films: "):
         animate(path, "/proc/films/a.gif")

@@ -635,7 +635,7 @@ def test_prescribed_motions_that_jump(motion, said):
     [
         ("elements.upper.center_of_mass=[5.4, 0, 3]", "its centre of mass is 6.18 m from all nodes"),
         ("elements.upper.center_of_mass=[5.4, 0, 3]", "is [0, -0.4, 0] meant?"),
-        ("elements.upper.center_of_mass=[0, -400, 0]", "in the axes of that: is it in m?"),
+        ("elements.upper.center_of_mass=[0, -400, 0]", "in the axes of the node: is it in m?"),
         ("elements.upper.center_of_mass=[0, -0.4, 0]", ""),
         ("elements.lower.center_of_mass=[0.8, 0, 0]", ""),  # a last link may be longer than all others
         ("elements.lower.attached=[elbow]", "node 'elbow' is attached to 'upper', too, which welds both together"),
@@ -673,7 +673,7 @@ SIZE = (
     [
         ("tire_laws.rubber.radial_damping=80", "'radial_damping' multiplies the radial force by 81 at 1 m/s"),
         ("tire_laws.rubber.radial_damping=0.5", ""),
-        ("tire_laws.rubber.slip_regularization=100", "'slip_regularization' is 100 m/s: the tyre has its friction at"),
+        ("tire_laws.rubber.slip_regularization=100", "'slip_regularization' is 100 m/s: the tyre reaches its friction"),
         ("tire_laws.rubber.slip_regularization=2", ""),
         (f"tire_laws.rubber={{{SIZE}, load: 48}}}}", "'smiley_horne.load' of 48 N deflects the tyre by 0.00013 of its"),
         (f"tire_laws.rubber={{{SIZE}, load: 48 kN}}}}", ""),

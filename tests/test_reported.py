@@ -154,7 +154,7 @@ def test_check_says_that_initial_velocities_cannot_be():
 
 def test_what_a_drive_sets_in_motion_is_listed(tmp_path):
     """The end of a crank of 50 mm at 50 rad/s moves at 2.5 m/s; this is no warning."""
-    crank = "the constraints set in motion what the deck leaves at rest: node 'crank_pin' by 2.5 m/s; "
+    crank = "the constraints set nodes in motion that the deck leaves at rest: node 'crank_pin' by 2.5 m/s; "
     assert f"at start {crank}" in flowing(summary(input_deck("slider_crank")))
     dynamic.run(input_deck("slider_crank", "time.end=0.001"), tmp_path / "reported.h5")
     with mecano.open_results(tmp_path / "reported.h5") as results:

@@ -163,7 +163,7 @@ time: {end: 2, step: 1 ms, adaptive: {tolerance: 1.0e-4, minimum_step: 0.1 ms}}
     assert last.startswith(
         "warning: because of the signals, small motions about the start grow by the factor e in 0.005 s"
     )
-    assert last.endswith("Motions that grow need ever shorter steps: mend this first")
+    assert last.endswith("Growing motions need ever shorter steps: fix this first")
 
 
 def test_the_frequencies_of_a_sampled_loop_reach_to_half_its_sampling_frequency():

@@ -91,7 +91,7 @@ def test_a_wheel_beside_its_bearing_or_without_one_is_warned_of():
     [
         ([0, 1, 0], None),
         ([0, -1, 0], "it starts backward, at 15 m/s against its forward direction [-1, 0, 0]"),
-        ([1, 0, 0], "it starts sideward, at 15 m/s across its forward direction [0, -1, 0]"),
+        ([1, 0, 0], "it starts sideways, at 15 m/s across its forward direction [0, -1, 0]"),
     ],
 )
 def test_a_wheel_that_is_to_run_astray_is_warned_of_before_steady_running_is_solved(axis, said):

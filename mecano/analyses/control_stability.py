@@ -63,7 +63,7 @@ def _grows(fastest: complex, period: float | None) -> str:
     if period is not None:
         question = (
             f"is a gain too large, its sign wrong, or the sampling period of {period:.3g} s too long? "
-            "`mecano margins --open-loop NAME` tells by how much"
+            "`mecano margins --open-loop NAME` shows by how much"
         )
     return f"{BEGINNING} by the factor e in {1.0 / fastest.real:.3g} s{as_what}: {question}"
 
@@ -76,7 +76,7 @@ def causes_of_failure(prepared: "Prepared", start: "RunState", warnings: Iterabl
     found = [text for text in warnings if text.startswith(BEGINNING)]
     if not found and prepared.system.n_q > DENSE:
         found = list(instability_warnings(prepared, start, MOST))
-    return [f"warning: {text}. Motions that grow need ever shorter steps: mend this first" for text in found]
+    return [f"warning: {text}. Growing motions need ever shorter steps: fix this first" for text in found]
 
 
 def _samplers(prepared: "Prepared") -> "list[Sampler]":

@@ -272,8 +272,8 @@ def _massless(deck, system, s, length):
 def _knot(deck, place, nodes, lines):
     text = (
         f"{place}: nothing gives mass to its displacement, and only lines that may go slack hold it "
-        f"({name_list(lines, MOST_NAMED)}): slack, they leave its place undetermined, and the run may end there; "
-        "give it mass with a point_mass, or let one line take the place of those in series"
+        f"({name_list(lines, MOST_NAMED)}): when slack, they leave its position undetermined, and the run may end; "
+        "give it mass with a point_mass, or replace lines in series by a single line"
     )
     return Problem(text, _mark(deck, nodes))
 

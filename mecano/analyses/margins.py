@@ -335,8 +335,8 @@ def _averaged(signal, samplers, transfer, whole) -> "Iterator[str]":
     for name, one in samplers.items():
         if name != signal and not isinstance(transfer, DiscreteLoop):
             yield (
-                f"'{name}' is sampled: the loop is that of its mean over a period, right well below half the sampling "
-                f"frequency, {0.5 / one.period:g} Hz; open it at '{name}' for the margins of its samples"
+                f"'{name}' is sampled: the loop is that of its mean over a period, accurate only well below half the "
+                f"sampling frequency, {0.5 / one.period:g} Hz; open it at '{name}' for the margins of its samples"
             )
 
 
@@ -346,7 +346,7 @@ def _unsure(found, request) -> "Iterator[str]":
     yield from warnings
     if numbers["growing"]:
         yield (
-            "the closed loop is unstable already: the margins tell where poles cross the imaginary axis, not how far "
+            "the closed loop is unstable already: the margins show where poles cross the imaginary axis, not how far "
             "a stable loop is from that"
         )
     if abs(numbers["values"][-1]) >= 1.0:

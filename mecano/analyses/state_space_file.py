@@ -30,7 +30,7 @@ SHIFT = 1e-5  # of the frequency: for the slope of the response
 def refuse(path: "str | os.PathLike[str]", force: bool) -> None:
     """Raise UsageError for an ending not in ENDINGS, and ResultsError if the file exists, unless ``force``."""
     if Path(path).suffix not in ENDINGS:
-        raise UsageError(f"--state-space {os.fspath(path)}: the name of the file ends with {' or '.join(ENDINGS)}")
+        raise UsageError(f"--state-space {os.fspath(path)}: the name of the file must end with {' or '.join(ENDINGS)}")
     refuse_present(path, force)
 
 

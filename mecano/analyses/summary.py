@@ -224,7 +224,7 @@ def _velocities(prepared, start):
     for text in changed_velocities(*states):
         yield from _labelled("warning", text)
     if moved := set_in_motion(*states):
-        yield from _labelled("at start", f"the constraints set in motion what the deck leaves at rest: {moved}")
+        yield from _labelled("at start", f"the constraints set nodes in motion that the deck leaves at rest: {moved}")
 
 
 def _labelled(label, text):

@@ -38,8 +38,8 @@ def yielding_warnings(
         return
     yield (
         f"redundant constraints yielded by up to some {SOFTNESS * ratio * length:.2g} m: the force of {joint} reached "
-        f"{largest:.3g} N, {ratio:.2g} times the forces at the start, for which the compliances that divide it are "
-        "made (docs/theory.md, 3). If the mechanism hardly moves, constraints that are redundant at the start alone "
+        f"{largest:.3g} N, {ratio:.2g} times the forces at the start, for which the compliances that share it are "
+        "chosen (docs/theory.md, 3). If the mechanism hardly moves, constraints that are redundant at the start alone "
         "bind: are axes exactly parallel, or in one line, that should be? Loads by laws of time instead of formulas "
         "are taken into account; otherwise leave out redundant joints, give them their own 'compliance', or use "
         "'method: radau'"

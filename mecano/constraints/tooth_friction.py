@@ -62,7 +62,7 @@ def tooth_friction_kind(mesh, dtype):
 
 EFFICIENT = requirement(lambda eta: 0.0 < eta <= 1.0, "must be greater than 0 and at most 1")
 BACKDRIVING = requirement(
-    lambda eta: -1.0 < eta <= 1.0, "must be greater than -1 and at most 1; 0 or less locks itself"
+    lambda eta: -1.0 < eta <= 1.0, "must be greater than -1 and at most 1; 0 or less is self-locking"
 )
 
 

@@ -24,7 +24,7 @@ def large_frictions(values: "Values") -> "Iterator[LocatedWarning]":
                 if most > largest:
                     owner = f"{d.get('type', 'tire law')} '{name}'"
                     text = (
-                        f"{owner}: a coefficient {_of(path)} of {most:g} is larger than of any materials; is it in %?"
+                        f"{owner}: a coefficient {_of(path)} of {most:g} is larger than for any material; is it in %?"
                     )
                     yield (section, name, *path), text
 

@@ -302,7 +302,7 @@ def _in_other_units(d):
         text = f"'radial_damping' multiplies the radial force by {1.0 + damping:.3g} at 1 m/s; a tyre has some 0.1 s/m"
         yield ("radial_damping",), text
     if (slip := d.get("slip_regularization") or 0.0) > LARGEST_REGULARIZATION:
-        text = f"'slip_regularization' is {slip:g} m/s: the tyre has its friction at larger slip speeds only"
+        text = f"'slip_regularization' is {slip:g} m/s: the tyre reaches its friction only at larger slip speeds"
         yield ("slip_regularization",), f"{text}; is it in mm/s?"
     given = (d.get("magic_formula") or {}).get("coefficients") or {}
     low, high = given.get("FZMIN", 0.0), given.get("FZMAX", math.inf)

@@ -41,7 +41,7 @@ def _from_the_origin(bodies, nodes):
             meant = ", ".join(f"{number:.6g}" for number in np.round(R.T @ (c - x), DIGITS) + 0.0)
             text = (
                 f"{d['type']} '{name}': its centre of mass is {far * size:.3g} m from all nodes; 'center_of_mass' "
-                "counts from its node, in the axes of that: "
+                "is relative to its node, in the axes of the node: "
             )
             yield (
                 ("elements", name, "center_of_mass"),

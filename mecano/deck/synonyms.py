@@ -38,7 +38,7 @@ gearbox, gear motor, geared motor -> coupler gear_pair joint_moment | a coupler 
 gear mesh, tooth stiffness, mesh stiffness, gear loss, lossy gear -> gear_pair rack_and_pinion | with 'teeth' they are
     elastic, with 'friction' they have an efficiency
 lead screw, ball screw, nut, helical, helical joint -> screw
-worm, worm gear, self locking -> gear_pair screw | 'friction' with a 'backdriving_efficiency' of 0 or less locks itself
+worm, worm gear, self locking -> gear_pair screw | 'friction' with a 'backdriving_efficiency' of 0 or less locks
 revolute, revolute joint, pin, pin joint, pivot, axle -> hinge
 bearing, journal -> hinge bushing | an elastic one is a hinge with 'compliance', or a bushing
 ball, ball joint, ball and socket, globe joint -> spherical

@@ -40,7 +40,7 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
 }  # fmt: skip
 FEW = 8  # kinds that have a field, which are named
 MOST_LONGER = 2  # names of keys that contain the unknown one as a word
-UNKNOWN_KIND = "`mecano list` lists all; the file of a plugin is named by --plugin, in Python by mecano.load_plugin"
+UNKNOWN_KIND = "`mecano list` lists all; name the file of a plugin by --plugin, in Python by mecano.load_plugin"
 
 
 def refuse_key(

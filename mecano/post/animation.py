@@ -70,7 +70,7 @@ def animate(
             raise UsageError(f"--animate {page}: a film has no plots; a page, .html, has")
         return film(path, page, title)
     if page.suffix not in (".html", ".htm"):
-        raise UsageError(f"--animate {page}: the name ends with .html, {' or '.join(FILMS)}")
+        raise UsageError(f"--animate {page}: the name must end with .html, {' or '.join(FILMS)}")
     with opened_runs([path]) as [run]:
         text = page_text(page_data(run, plots, title))
     make_folder(page.parent)

@@ -87,7 +87,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
 def _set_in_motion(results):
     """Yield the fact that constraints give velocities to nodes that the deck leaves at rest."""
     if nodes := results.model.get("set_in_motion"):
-        yield "at start", f"the constraints set in motion what the deck leaves at rest: {nodes}"
+        yield "at start", f"the constraints set nodes in motion that the deck leaves at rest: {nodes}"
 
 
 def _plugins(text):

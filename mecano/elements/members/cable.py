@@ -258,7 +258,8 @@ OUTPUTS = (
 
 def bounds(d):
     """Return the tension that stretches a line by half of its length, as it does none but rubber."""
-    text = f"that strains it by more than {100.0 * STRETCHED:g} %, as only rubber: are stiffness and loads in SI units?"
+    strained = f"that strains it by more than {100.0 * STRETCHED:g} %, which only rubber withstands"
+    text = f"{strained}: are stiffness and loads in SI units?"
     return [("tension", (-np.inf, STRETCHED * axial_stiffness(d)), text)]
 
 

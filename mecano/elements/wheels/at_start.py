@@ -69,7 +69,7 @@ def _astray(d, normal, axis, velocity):
     along, across = velocity @ ahead, velocity @ np.cross(normal, ahead)
     if abs(across) > max(BACKWARD, SIDEWARD * abs(along)):
         return [
-            f"it starts sideward, at {abs(across):.4g} m/s across its forward direction {_vector(ahead)}, which is "
+            f"it starts sideways, at {abs(across):.4g} m/s across its forward direction {_vector(ahead)}, which is "
             "'axis' x normal of the ground: it slides"
         ]
     if along > -max(BACKWARD, abs(across)):
