@@ -28,7 +28,7 @@ from mecano.errors import UsageError
 from mecano.laws import TERMS
 from mecano.schema import Type
 
-ROLES = {"curve": "laws of one variable", "force": "laws of extension and rate"}
+ROLES = {"curve": "curves y of one variable s", "force": "forces F of extension s and rate v"}
 SEPARATOR = "\n" + "-" * WIDTH + "\n\n"
 ELSEWHERE = {  # topics of `mecano explain` besides kinds, terms, sections and fields
     "units": "Units of numbers, as in 25 mm, 3 bar, 12 deg.", "study": "The files of `mecano sweep`.",

@@ -77,7 +77,7 @@ def describe_shape(shape: "Shape") -> str:
 
 def describe_term(term: "Term") -> str:
     """Return the text on a term of a law: its fields."""
-    what = "of one variable" if term.role == "curve" else "a force of extension and rate"
+    what = "y of one variable s" if term.role == "curve" else "force F of extension s and rate v"
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
     example = example_lines(term.name, "laws", WIDTH)
     return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"

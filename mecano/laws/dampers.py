@@ -110,7 +110,7 @@ DAMPER_TABLE = Term(
 
 OIL_DAMPER = Term(
     name="oil_damper",
-    doc="F = c v |v|, c by the direction; C1.",
+    doc="F = c v |v|, with c of compression or of rebound; C1.",
     role="force",
     fields=(
         Field("compression", NUMBER, "N s2/m2", "coefficient while the length decreases", check=not_negative),

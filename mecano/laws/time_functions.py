@@ -136,7 +136,7 @@ SINE = Term(
 
 RAMP = Term(
     name="ramp",
-    doc="Constant, then a straight line from 'start' to 'end', then constant; a corner at both.",
+    doc="Constant, then a straight line from 'start' to 'end', then constant; with corners at both.",
     role="curve",
     fields=(
         Field("start", NUMBER, ARGUMENT, "where the ramp starts"),
