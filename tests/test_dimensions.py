@@ -13,6 +13,7 @@ from time_runs import RecordedRun, input_deck
 
 SMALL = Units(2.0**-10, 2.0**-30, 2.0**-5)
 LARGE = Units(2.0**10, 2.0**30, 2.0**5)
+SLOW = Units(1.0, 1.0, 2.0**10)  # with a gravity of 1e-5 m/s2
 TIGHT = ("time.newton.force_tolerance=1e-12", "time.newton.constraint_tolerance=1e-14")
 SHARED = 1e-5  # of the acting forces: what rounding changes in the reactions of redundant constraints (theory.md)
 MOTIONS = {
@@ -21,7 +22,7 @@ MOTIONS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("units", [SMALL, LARGE], ids=["small", "large"])
+@pytest.mark.parametrize("units", [SMALL, LARGE, SLOW], ids=["small", "large", "slow"])
 @pytest.mark.parametrize("name", MOTIONS)
 def test_motion_and_reactions(name, units):
     """All outputs of twenty steps, relative to the largest of their unit."""

@@ -12,6 +12,7 @@ from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError, ConvergenceError
 from mecano.results.reader import open_results
+from mecano.solve.time.run_state import from_plain, to_plain
 
 HINGES = {
     "hinge_b": "hinge_b: {type: hinge, nodes: [crank_end, coupler], axis: [0, -1, 0]}",
@@ -377,6 +378,52 @@ def test_two_bearings_carry_the_whole_load_in_any_step(step):
         np.testing.assert_allclose(run[f"joints/bearing{bearing}/force"][:, 1], 98.1, rtol=1e-6)
     slows = 0.1 * 0.03 * 196.2 / 0.1 * 20 * step
     np.testing.assert_allclose(50.0 - run["joints/bearing1/rate"][-1], slows, rtol=1e-6)
+
+
+SHAFT = """
+    mecano: 1
+    gravity: none
+    nodes: {{shaft: {{position: [0, 0, 0]}}, end1: {{position: [0, 0, -0.3]}}, end2: {{position: [0, 0, 0.3]}}}}
+    elements: {{shaft: {{type: rigid_body, node: shaft, mass: 20, inertia: [1, 1, 0.1], attached: [end1, end2]}}}}
+    joints: {{bearing$i: {{repeat: {{i: 1..2}}, type: hinge, nodes: [ground, end$i], axis: [0, 0, 1]}}}}
+    signals: {{late: "max(0, time - 100)"}}
+    loads: {{pull: {{type: force, node: shaft, direction: [0, 1, 0], value: {}}}}}
+    time: {{end: 200, step: 0.5, method: {}}}
+"""
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+@pytest.mark.parametrize(("load", "size"), [("1e5*late", 1e7), ("1e-5*sin(time/20)", 1e-5)])
+def test_bearings_share_loads_of_signals_however_large(load, size, method):
+    """Half of a load that is not known at the start each, to SHARING; neither bearing yields by 1e-8 m."""
+    run = RecordedRun(deck(SHAFT.format(load, method)))
+    half = -0.5 * eval(load, {"late": np.maximum(0.0, run.time - 100.0), "time": run.time, "sin": np.sin})  # noqa: S307
+    for bearing in (1, 2):
+        np.testing.assert_allclose(run[f"joints/bearing{bearing}/force"][:, 1], half, rtol=0, atol=1e-3 * size)
+    assert np.abs(run["nodes/shaft/position"]).max() < 1e-8
+    assert run.run.compliance.stiffens
+
+
+def test_a_run_continues_with_the_compliances_that_it_has_found():
+    """A run that is saved behind the change ends with the same bits as one without a pause."""
+    whole = RecordedRun(deck(SHAFT.format("1e5*late", "generalized_alpha")))
+
+    def saved(integrator, run):
+        run = integrator.to(150.0, run)
+        return from_plain(to_plain(run))
+
+    parts = RecordedRun(deck(SHAFT.format("1e5*late", "generalized_alpha")), change=saved)
+    assert parts.run.compliance.force == whole.run.compliance.force > 1e3
+    np.testing.assert_array_equal(parts.rows[-1], whole.rows[-1])
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_constraints_that_nearly_fit_keep_their_compliances(method):
+    """A motor turns a blocked joint by 1e-7 rad: its moment is 1e4 times the weight at 1 m, not more."""
+    text = BLOCKED.replace("step: 1.0e-3", f"step: 1.0e-3, method: {method}")
+    run = RecordedRun(deck(text.format("{step: {time: 5.0e-3, rise: 0.01, from: 0, to: 1.0e-7}}")))
+    assert np.abs(run["joints/turn/moment"]).max() < 1e6
+    assert len(run.time) == 21
 
 
 BRACKET = """

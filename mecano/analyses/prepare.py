@@ -111,7 +111,8 @@ def _redundancy(deck, system, state, length):
     """Return the Analysis of the constraints at a state, and the Compliance of the redundant ones, or None."""
     analysis, time, static = analyse(system, state, length), deck.values["time"], deck.values["static"]
     over = static if static and static["over"] == "time" else time
-    return analysis, compliance(system, state, length, analysis, over["end"] if over else None)
+    end, step = over["end"] if over else None, time["step"] if over and over is time else None
+    return analysis, compliance(system, state, length, analysis, end, step)
 
 
 def _refuse_fixed(deck, system):

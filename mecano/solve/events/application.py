@@ -71,7 +71,7 @@ class EventApplication:
             s, event_records = self.monitor.apply(s, hit)
             self._guard(run, hit, event_records)
             if compliance and len(compliance.released) and not np.array_equal(before, s.phases):
-                consistent, compliance, redundant = self.shocks.consistent(s, compliance)
+                consistent, compliance, redundant = self.shocks.consistent(s, compliance, run.h)
                 self._soften(compliance, s.t, event_records, redundant)
             return replace(run, compliance=compliance), s, event_records, consistent
         hit = self.shocks.together(s, hit, run.h)

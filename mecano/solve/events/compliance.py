@@ -28,7 +28,9 @@ SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the
 SHARING = 1e-3  # of the acting forces: error of redundant reactions by the residuals of their constraints
 SHARE_OF_PENALTY = 1e-7  # of the reactions, which the multipliers do not contain
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
-LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act
+LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, without steps
+STIFFER = 1e3  # times as stiff as inertia: the vibration has a period of a fifth of a step, and is damped
+ROOM = 10.0  # times the forces to which redundant constraints have yielded: those of stiffer compliances
 TIMES = 20  # at which loads are evaluated, from the start to the end
 
 
@@ -48,6 +50,8 @@ class Compliance:
     released_entries: np.ndarray  # (nnz,) bool: P
     active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
     force: float  # [N] that displaces a length constraint by SOFTNESS of the length scale
+    yielded: tuple[float, float]  # time [s] and displacement, of the length scale, for which it was made stiffer
+    stiffens: bool  # whether forces displace the constraints, instead of geometry
     values: np.ndarray  # (nnz,) in a step
     penalty_factors: np.ndarray  # (n_l,) of the System
     penalty_share: float  # of the System
@@ -61,6 +65,28 @@ class Compliance:
     def soft(self) -> np.ndarray:
         """Indices (n,) of the redundant constraints, which are compliant."""
         return distinct(self.matrix.rows[~self.released_entries])
+
+    def stiffer(self, t: float, displacement: float) -> Self:
+        """Return compliances for the forces that displace the constraints at the time t [s].
+
+        ``displacement`` is relative to the length scale, or in rad. If the last such change, at the same time, has not
+        reduced it, the constraints do not fit one another: then the compliances are those before it, for good.
+        """
+        before, last = self.yielded
+        if t == before and displacement > 0.5 * last:
+            return self._for_forces(SOFTNESS / (ROOM * last)).final()
+        return replace(self._for_forces(ROOM * displacement / SOFTNESS), yielded=(t, displacement))
+
+    def final(self) -> Self:
+        """Return these compliances, which no forces make stiffer."""
+        return replace(self, stiffens=False)
+
+    def _for_forces(self, factor):
+        """Return the compliances for forces that are larger by a factor."""
+        c = self.matrix
+        values = np.where(self.released_entries, c.values, c.values / factor)
+        matrix = SparseRows(c.starts, c.columns, values)
+        return replace(self, matrix=matrix, force=self.force * factor, values=values.copy())
 
     def deflection(self, reactions: np.ndarray) -> np.ndarray:
         """Return c Lambda (n_l,) for the reactions Lambda (n_l,), zero for released constraints."""
@@ -130,14 +156,16 @@ class Compliance:
         of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
         own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "force": self.force,
                "values": self.values, "penalty_factors": self.penalty_factors,
-               "penalty_share": np.array(self.penalty_share)}  # fmt: skip
+               "penalty_share": np.array(self.penalty_share), "yielded": np.array(self.yielded),
+               "stiffens": np.array(self.stiffens)}  # fmt: skip
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, np.ndarray]) -> Self:
         """Restore the compliances from the dict of ``to_plain``."""
         matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
-        own = (plain[name] for name in ("places", "of_rates", "let_go", "active", "force"))
+        own = [plain[name] for name in ("places", "of_rates", "let_go", "active")]
+        own += [float(plain["force"]), tuple(plain["yielded"].tolist()), bool(plain["stiffens"])]
         return cls(matrix, *own, plain["values"].copy(), plain["penalty_factors"], float(plain["penalty_share"]))
 
 
@@ -186,18 +214,22 @@ def compliance(
     length: float,
     analysis: "Analysis",
     end: float | None = None,
+    step: float | None = None,
     before: Compliance | None = None,
 ) -> Compliance | None:
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the forces
-    acting in ``s``, with the loads until ``end`` [s], or those that accelerate the mean mass by LEAST_ACCELERATION,
-    displace the constraints by SOFTNESS of the length scale, or rad; so do those of the compliance ``before``. All
-    other directions are exact. Signals are ignored, as they may not be known yet.
+    acting in ``s``, with the loads until ``end`` [s], displace the constraints by SOFTNESS of the length scale, or rad;
+    so do those of the compliance ``before``. In a run with steps of ``step`` [s] they are at least STIFFER times as
+    stiff as the inertia of the mean mass in a step, which would otherwise vibrate on them. All other directions are
+    exact. Signals are ignored, as they may not be known yet.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
-    of, force = system.numbering, max(_largest_force(system, s, length, end), before.force if before else 0.0)
+    of, force = system.numbering, _largest_force(system, s, length, end)
+    acceleration = LEAST_ACCELERATION if not step else STIFFER * SOFTNESS * length / step**2
+    force = max(force, before.force if before else acceleration * _mean_mass(system, s, length), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force))
     parts = []
@@ -211,18 +243,24 @@ def compliance(
     is_released[analysis.released] = True
     places, released = _places(system, rows, matrix.columns), is_released[rows]
     own = matrix.values.copy(), system.penalty_factors, system.penalty_share
-    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, *own)
+    none = -np.inf, np.inf  # yielded
+    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, none, True, *own)
 
 
 def _largest_force(system, s, length, end):
-    """Return the largest force [N] in ``s``, with loads at times until ``end``, at least that on the mean mass."""
-    of, assembly = system.numbering, system.assemble(s, cM=1.0)
-    inertias, kind = assembly.data[system.diagonal[: system.n_q]], of.kind[: system.n_q]
-    masses = np.where(kind == ROTATION, inertias / length**2, inertias)[kind < SIGNAL]
-    least = max(LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
+    """Return the largest force [N] in ``s``, with loads at times until ``end``."""
+    of = system.numbering
     loads = [_loads(system, replace(s, t=t)) for t in np.linspace(s.t, end, TIMES)] if end is not None else []
-    sizes = np.max([assembly.size, *loads], axis=0)
-    return float(max(np.where(of.kind == ROTATION, sizes / length, sizes)[of.kind < SIGNAL].max(), least))
+    sizes = np.max([system.assemble(s).size, *loads], axis=0)
+    return float(np.where(of.kind == ROTATION, sizes / length, sizes)[of.kind < SIGNAL].max())
+
+
+def _mean_mass(system, s, length):
+    """Return the mean of the masses [kg] of unknowns that have some, inertias divided by the squared length scale."""
+    inertias, kind = system.assemble(s, cM=1.0).data[system.diagonal[: system.n_q]], system.numbering.kind
+    kind = kind[: system.n_q]
+    masses = np.where(kind == ROTATION, inertias / length**2, inertias)[kind < SIGNAL]
+    return masses.sum() / max(np.count_nonzero(masses), 1)
 
 
 def _loads(system, s):

@@ -65,13 +65,14 @@ class ImpactSolution:
         uncoupled: Sequence[ImpactCandidate],
         fast: Sequence[ImpactCandidate],
         compliance: "Compliance | None",
+        h: float,
     ):
         self.shocks, self.system, self.e = shocks, shocks.system, np.zeros(len(uncoupled))
         self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in uncoupled], np.int64)
         self.before, self.friction_losses = self._rates(held.v), np.zeros(self.system.n_l)
-        self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
+        self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance, h)
         change, reactions = self.consistent.impose(-self.system.constraint_derivatives(held)[:, 1])
         if uncoupled:
             self.rough = rough_contacts(self.system, self.all_held, self.leads)
@@ -210,7 +211,7 @@ class ImpactSolution:
         end = self.shocks.impact_candidates.in_phase(end, [*gone, *leaving], "opened")
         consistent, compliance, redundant = self.consistent, self.compliance, self.redundant
         if not np.array_equal(end.phases, self.held.phases):
-            consistent, compliance, more = self.shocks.consistent(end, self.compliance)
+            consistent, compliance, more = self.shocks.consistent(end, self.compliance, h)
             redundant = (*redundant, *more)
         of = self.system.numbering
         rows = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}

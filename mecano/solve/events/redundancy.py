@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 def reanalyse_redundancy(
-    system: "System", linear: "LinearSolver", s: "State", soft: Compliance | None, length: float
+    system: "System", linear: "LinearSolver", s: "State", soft: Compliance | None, length: float, h: float
 ) -> tuple[Consistent, Compliance | None, tuple[Group, ...]]:
     """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 
     Return (Consistent, Compliance or None, redundant Groups, one for the same joints). ``soft`` is the previous
     Compliance. The model is analysed only if pivots of the factorization show that rigid constraints depend on others,
-    if constraints have become active of which ``soft`` does not account for, or if constraints are released. Raises
-    AssemblyError.
+    if constraints have become active of which ``soft`` does not account for, or if constraints are released.
+    ``h`` is the ``step`` [s] of ``compliance``. Raises AssemblyError.
 
     The pivots do not show a rigid constraint that depends on compliant ones, in which case the compliant ones would
     carry nothing. A subset of the constraints that ``soft`` accounts for has no further redundancies.
@@ -42,7 +42,7 @@ def reanalyse_redundancy(
     analysis = analyse(system, s, length)
     if consistent is not None and not repeats and not len(added) and not _missed(soft, analysis):
         return consistent, soft, ()
-    new = compliance(system, s, length, analysis, before=soft)
+    new = compliance(system, s, length, analysis, step=h, before=soft)
     found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()
     if len(added):
         found = _with_any(found, system, added)

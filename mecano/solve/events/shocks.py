@@ -214,7 +214,8 @@ class Shocks:
         w = self.system.constraint_derivatives(all_held)[:, 1]
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         while True:
-            solution = ImpactSolution(self, in_phase(held, uncoupled, "opened"), all_held, uncoupled, fast, compliance)
+            opened = in_phase(held, uncoupled, "opened")
+            solution = ImpactSolution(self, opened, all_held, uncoupled, fast, compliance, h)
             pulled = [c for c in coupled if solution.pulls(c)]
             if not pulled:
                 break
@@ -232,7 +233,7 @@ class Shocks:
         return idle
 
     def consistent(
-        self, s: "State", compliance: "Compliance | None"
+        self, s: "State", compliance: "Compliance | None", h: float
     ) -> "tuple[Consistent, Compliance | None, tuple[Group, ...]]":
-        """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""
-        return reanalyse_redundancy(self.system, self.linear, s, compliance, self.length)
+        """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` for steps of h (redundancy.py)."""
+        return reanalyse_redundancy(self.system, self.linear, s, compliance, self.length, h)

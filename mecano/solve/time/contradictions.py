@@ -1,5 +1,6 @@
 """Contradictions: redundant or deactivated constraints that the other constraints violate."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,12 +16,15 @@ from mecano.solve.events.compliance import NO_ROWS, Compliance
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
+    from mecano.solve.time.step_info import Trial
 
 MOST_OTHERS, MOST_ALIKE = 12, 6  # lines on constraints that contradict one, and joints named in each
 TEXT = "constraints contradict one another: the {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
+YIELDING = 1e-8  # of the length scale, or rad: displacement by forces for which redundant constraints are made stiffer
 AT_START = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
+NOTICED = 0.5  # of the admissible violation: from there on compiled code leaves a step to Python
 CREEPING = 1e-3  # of the length scale per second: no speeds count for less
 
 
@@ -38,15 +42,16 @@ class Contradictions:
     soft : ((n,) int, (n,) int)
         Indices of the redundant constraints, which are compliant, and whether they are along a direction.
     share_of_gap : (n_l,) float
-        Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
+        Reciprocal of the violation of each constraint that Python examines; 0 if it is not checked.
     """
 
     def __init__(self, system: "System", length: float, compliance: Compliance | None):
-        self.system, self.length = system, length
+        self.system, self.length, self.compliance = system, length, compliance
         self._redundant: tuple[Group, ...] | None = None  # found when a contradiction is described
         self.released = NO_ROWS[1] if compliance is None else compliance.released.astype(np.int64)
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
-        of, allowed = system.numbering, GAP * constraint_scale(system, length)
+        self._examined = YIELDING if compliance is None or compliance.stiffens else GAP
+        of, allowed = system.numbering, self._examined * constraint_scale(system, length)
         self.along, along = (
             (of.kind[of.n_q + rows] == LENGTH_CONSTRAINT).astype(np.int64) for rows in (self.released, self._soft)
         )
@@ -70,6 +75,22 @@ class Contradictions:
             if len(rows) and (text := self._rate(s, h, rows, self.system.constraint_derivatives(s)[:, 1], AT_START)):
                 text = f"at t = {s.t:.9g} s {TEXT.format(others, *text)}"
                 raise AssemblyError(text, Failure.CONTRADICTION, timed=True)
+
+    def yielding(self, trial: "Trial") -> float:
+        """Return ``displaced`` at the end of a ``trial`` step, 0 if Newton's iteration did not converge."""
+        s, _, info = trial
+        return self.displaced(s) if info.ok or info.failure is Failure.CONTRADICTION else 0.0
+
+    def displaced(self, s: "State") -> float:
+        """Return the displacement of redundant constraints by reactions at ``s`` for which they need be stiffer, or 0.
+
+        It is relative to the length scale, or in rad.
+        """
+        soft = self.compliance
+        if soft is None or not self.possible or not soft.stiffens:
+            return 0.0
+        size = soft.deflection(s.z[self.system.n_q : self.system.n]) * self.share_of_gap
+        return YIELDING * math.sqrt(size @ size) if size @ size > NOTICED**2 else 0.0
 
     def at_the_end(self, s: "State", h: float, slips: np.ndarray) -> str:
         """Return the text of a contradiction after a step of size h to ``s``, or "".
@@ -98,7 +119,7 @@ class Contradictions:
     def _gap(self, s):
         """Return size, name and others of a redundant constraint violated at ``s`` by more than GAP, or ()."""
         off = self.system.constraint_derivatives(s)[:, 0]
-        size = off * self.share_of_gap
+        size = off * self.share_of_gap * (self._examined / GAP)
         if size @ size <= 1.0:
             return ()
         worst, of = int(np.abs(size).argmax()), self.system.numbering

@@ -7,7 +7,7 @@ from mecano.model.assembly_driver import assemble_residual, residual_loops
 from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, stage_of
-from mecano.solve.time.step import exceeds_gap, gap_of
+from mecano.solve.time.step import exceeds_gap, gap_of, give_way
 from mecano.solve.time.step_control import STRETCH, allowed, factor_of_order, retried
 from mecano.solve.time.step_info import MOST_TURN
 from mecano.solve.time.stride import (
@@ -108,8 +108,8 @@ def tried(m, w, r, o):
 
 @kernel
 def contradict(m, w):
-    """Return whether redundant constraints contradict one another at TRIAL by more than half the admissible gap."""
-    return m.checks_gaps != 0 and exceeds_gap(m, gap_of(w, state_of(w, TRIAL), 0))
+    """Return whether redundant constraints give way, or are violated, at TRIAL by more than compiled code admits."""
+    return give_way(m, w) or m.checks_gaps != 0 and exceeds_gap(m, gap_of(w, state_of(w, TRIAL), 0))
 
 
 @kernel

@@ -12,7 +12,7 @@ from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent, most_kept
-from mecano.solve.time.contradictions import CREEPING, SLIPS
+from mecano.solve.time.contradictions import CREEPING, NOTICED, SLIPS
 from mecano.solve.time.increments import carried_history, finish, predict
 from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.workspace import (
@@ -99,11 +99,8 @@ def complete(w):
 
 
 @kernel
-def contradict(m, w):
-    """Return whether redundant constraints contradict one another at TRIAL by more than half the admissible gap.
-
-    Their values are those to which their compliances give way under the reactions.
-    """
+def give_way(m, w):
+    """Return whether reactions at TRIAL displace redundant constraints by more than compiled code admits."""
     if not m.checks_gaps:
         return False
     gap = floats(w.gap, w.n_l)
@@ -113,11 +110,11 @@ def contradict(m, w):
 
 @kernel
 def exceeds_gap(m, violations):
-    """Return whether the ``violations`` (n_l,) of redundant constraints exceed half the admissible gap."""
+    """Return whether the ``violations`` (n_l,) of redundant constraints exceed what compiled code admits."""
     weight, largest = floats(m.share_of_gap, violations.size), 0.0
     for i in range(violations.size):
         largest += (violations[i] * weight[i]) * (violations[i] * weight[i])
-    return largest > 0.25
+    return largest > NOTICED * NOTICED
 
 
 @kernel

@@ -20,7 +20,7 @@ from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
-from mecano.solve.time.step import contradict, slips
+from mecano.solve.time.step import give_way, slips
 from mecano.solve.time.step_control import (
     FORGOTTEN,
     HOLD,
@@ -160,7 +160,7 @@ def tried(m, w, o):
             return REPEAT if m.rejections else DECIDE
         m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
         return AGAIN
-    if w.code != CONVERGED or w.turn > MOST_TURN or contradict(m, w) or slips(m, w):
+    if w.code != CONVERGED or w.turn > MOST_TURN or give_way(m, w) or slips(m, w):
         return REPEAT
     lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
     plain = max(w.error * w.h * w.h * w.change, w.signalled, lag)

@@ -107,10 +107,18 @@ class TimeIntegrator:
         separate are open, even if rounding makes them overlap.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        s, history = self.method.start(self.monitor.settle(s, self.shocks.touching), h)
+        s, history = self._start(self.monitor.settle(s, self.shocks.touching), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
         return run
+
+    def _start(self, s, h):
+        """Return a consistent state and history, with compliances of redundant constraints for the forces there."""
+        while True:
+            (begun, history), soft = self.method.start(s, h), self.method.compliance
+            if soft is None or not (displacement := self.method.contradictions.displaced(begun)):
+                return begun, history
+            self.method.use(soft.stiffer(s.t, displacement))
 
     def _close_pressed(self, run):
         """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
@@ -240,6 +248,10 @@ class TimeIntegrator:
     def _advance(self, run, stop, trial=None):
         """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
         cuts: list[tuple[float, float]] = []
+        if self.method.compliance is not None:
+            trial = trial or self.trials.first(run, stop)
+            if displacement := self.method.contradictions.yielding(trial):
+                return self._stiffened(run.tried(1, trial[2].iterations), displacement)
         try:
             h, trial, found, rejected, iterations = self.trials.acceptable(run, stop, trial, cuts)
         finally:
@@ -254,6 +266,18 @@ class TimeIntegrator:
         if found.trial is None:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
+
+    def _stiffened(self, run, displacement):
+        """Return the run with stiffer compliances if forces displace redundant constraints in its next step."""
+        soft = run.compliance.stiffer(run.motion.t, displacement)
+        self.method.use(soft)
+        try:
+            s, history = self.method.start(run.motion, run.h)
+        except AssemblyError:  # constraints contradict one another, which the next step refuses if it is too much
+            soft = run.compliance.final()
+            self.method.use(soft)
+            return replace(run, compliance=soft)
+        return replace(run, motion=s, history=history, compliance=soft, powers=self._observe(s).powers)
 
     def _accept(self, run, trial, h, rejected, stop, failed):
         s, history, info = trial

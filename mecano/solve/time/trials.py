@@ -40,6 +40,10 @@ class Trials:
     shocks: Shocks
     corners: Set[float]
 
+    def first(self, run: "RunState", stop: float) -> "Trial":
+        """Return the first trial of a step towards ``stop``."""
+        return self._step(run, clipped(run.motion.t, run.h, stop, stop in self.corners))
+
     def acceptable(
         self, run: "RunState", stop: float, trial: "Trial | None", cuts: list[tuple[float, float]]
     ) -> "tuple[float, Trial, Located | None, int, int]":
