@@ -225,7 +225,7 @@ ARM = """
       p_1: {type: integrator, input: 1.0e11*(flow_1 + 0.01*gauge.rate), initial: 2.0e6, unit: Pa}
     loads: {cylinder: {type: line_force, nodes: [base, eye], value: 0.01*(p_0 - p_1) - 2.0e5*gauge.rate}}
     initial: {velocities: [{nodes: [arm, eye], angular_velocity: [0, 0, 0.5], about: [0, 0, 0]}]}
-    time: {end: 0.4, step: 1 ms}
+    time: {end: 0.4, step: 0.5 ms}
 """
 
 

@@ -135,6 +135,8 @@ def test_a_failure_says_what_to_try_in_the_elements_that_failed():
     error.elements = ("flexible_wheel 'tire'", "hinge 'bearing'")
     assert failure_text(error, given, warnings).splitlines() == [
         "no step",
+        "flexible_wheel 'tire' is at test.yaml:10:3",
+        "hinge 'bearing' is at test.yaml:17:3",
         "in flexible_wheel 'tire': a greater 'tire_law.lateral.string.torsional_stiffness' (now 10000 N m/rad); a "
         "greater 'tire_law.slip_regularization' (now 0.1 m/s)",
         "warning: flexible_wheel 'tire': soft",
