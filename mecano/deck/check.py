@@ -16,7 +16,6 @@ from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
-from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.sections import SECTIONS, shortest_interval
@@ -52,6 +51,17 @@ def parameter(node: "Node", field: Field, scope: Scope) -> float | Invalid:
     return value
 
 
+def _of_superelements(name):
+    """Return the check of this name in reduced_file.py, which few decks need."""
+
+    def check(node, field, scope):
+        from mecano.deck import reduced_file
+
+        return getattr(reduced_file, name)(node, field, scope)
+
+    return check
+
+
 CHECKS = {
     "number": values.number,
     "integer": values.integer,
@@ -75,8 +85,8 @@ CHECKS = {
     "tire_law": values.named,
     "section": values.named,
     "wheel": values.named,
-    "reduced": reduced,
-    "rows": rows,
+    "reduced": _of_superelements("reduced"),
+    "rows": _of_superelements("rows"),
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,
