@@ -17,9 +17,9 @@ def margins(
     number: int = 200, linear: bool = False, set: Values | None = None, at: SavedState | None = None,
     at_rest: bool = False, frame: str = "inertial", force: bool = False,
 ) -> "Margins":  # fmt: skip
-    """Compute the margins of stability of a loop that is opened at a signal.
+    """Compute gain, phase and delay margins of a control loop, opened at a signal.
 
-    All that reads the signal reads an input u instead, to which the signal responds with y; L = -y/u.
+    An input u replaces the signal for everything that reads it, and the signal itself responds with y; L = -y/u.
 
     Parameters
     ----------

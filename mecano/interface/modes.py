@@ -27,11 +27,12 @@ def modes(
     set : dict
         Overrides of values of the deck.
     at : str, Path or tuple
-        "results.h5:1.25", or ("results.h5", 1.25): about the saved state nearest to that time; without a time the last.
+        "results.h5:1.25", or ("results.h5", 1.25): linearize about the saved state nearest to that time; without a time,
+        the last one.
     at_rest : bool
-        About the equilibrium near the state of ``at``.
+        Linearize about the equilibrium near the state of ``at``.
     number : int
-        Number of modes, those of lowest frequency.
+        Number of modes, from the lowest frequency.
     frame : str
         Axes of the motions: "inertial", those of a node, or turning at "wx,wy,wz" [rad/s].
     solver : {"automatic", "dense", "sparse"}
