@@ -27,8 +27,8 @@ def modes(
     set : dict
         Overrides of values of the deck.
     at : str, Path or tuple
-        "results.h5:1.25", or ("results.h5", 1.25): linearize about the saved state nearest to that time; without a time,
-        the last one.
+        "results.h5:1.25", or ("results.h5", 1.25): linearize about the saved state nearest to that time; without a
+        time, the last one.
     at_rest : bool
         Linearize about the equilibrium near the state of ``at``.
     number : int
