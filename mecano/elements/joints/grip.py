@@ -1,4 +1,4 @@
-r"""Grip: on command holds node b in node a, in their relative position of that instant: a gripper, a docking port.
+r"""Grip: holds node b in node a on command, in their relative position at that instant: a gripper, a docking port.
 
 It closes at a time or by a condition with a shock (docs/shocks.md): momentum is exchanged, and the kinetic energy of
 the relative motion is lost. From then on the relative position :math:`d = R_a^T (x_b - x_a)` and the relative rotation

@@ -1,4 +1,4 @@
-"""Held rotation: two nodes share their rotation, their positions stay free (Boolean identification: no equation).
+"""Held rotation: two nodes share their rotation, and move freely in position (Boolean identification: no equation).
 
 With ground as the first node, the second one can only translate; the moment of the joint is the reaction.
 """

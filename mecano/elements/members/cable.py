@@ -271,7 +271,7 @@ def _of_length(kind, functions):
 _BAR = Kind(
     name="bar",
     section="elements",
-    doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
+    doc="Bar: an elastic line between two nodes that carries tension and compression.\n\n" + __doc__,
     display=Display("cable", pictures=("cables",), axial="tension"),
     dtype=record(**LINE_RECORD),
     layout=("x0", "x1"),

@@ -1,4 +1,4 @@
-r"""External: a value that a Python program sets during a run, constant between (docs/python.md).
+r"""External: a value that a Python program sets during a run, constant in between (docs/python.md).
 
 .. math::  y(t) = u_k, \qquad t_k < t \le t_{k+1}
 
