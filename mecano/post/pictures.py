@@ -93,27 +93,22 @@ def post(
         A file cannot be read, or a picture cannot be written.
     """
     formats = {path: format_of(path) for path in paths}
-    of_runs = {
-        "--spectrum": transforms.spectra, "--density": transforms.densities, "--from, --to": transforms.window != ALL,
-        "--at": at, "--csv": columns, "--title": title, "--measured": measured,
-    }  # fmt: skip
-    _refuse_together(formats, plots, of_runs)
-    _refuse_band(formats, band)
-    if ALONE.keys() & formats.values():
-        yield from (
-            _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, band, force)
-        )
-        return
-    with opened_runs(paths) as runs:
-        points = read_measured(measured, runs[0]) if measured else None
-        pictures, times = _pictures(runs, plots, transforms, at, points)
-        yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
+    _refuse(formats, plots, transforms, band, {"--at": at, "--csv": columns, "--title": title, "--measured": measured})
+    if not ALONE.keys() & formats.values():
+        with opened_runs(paths) as runs:
+            pictures, times = _pictures(runs, plots, transforms, at, measured)
+            yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
+    elif plots:
+        yield from _of_studies(paths, plots, output, kind, force)
+    else:
+        yield from _of_others(paths, output, kind, band, force)
 
 
-def _pictures(runs, plots, transforms, at, points):
+def _pictures(runs, plots, transforms, at, measured):
     """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
+    points = read_measured(measured, runs[0]) if measured else None
     plots = plots or (points.plots() if points else ())
     times, requested = times_of(at) if at else [], requested_sheets(plots, runs) + transforms.sheets(runs)
     if points:
@@ -138,28 +133,29 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
             yield table
 
 
-def _refuse_together(formats, plots, of_runs):
+def _refuse(formats, plots, transforms, band, options):
     """Raise UsageError if files other than results of runs come with such results, or with options of runs.
 
-    ``formats``: {path: format}; ``of_runs``: {option: value} of those for runs only; ``plots`` are also for studies.
+    ``formats``: {path: format}; ``options``: {option: value} of further ones for runs; ``plots`` are also for studies,
+    and a ``band`` of frequencies is only for sweeps.
     """
+    given = [name for name, value in zip(("--above", "--below"), band, strict=True) if value is not None]
+    if given and {*formats.values()} != {sweep_file.FORMAT}:
+        raise UsageError(f"{', '.join(given)}: only for files of `mecano modes --sweep`")
     others = [path for path, format in formats.items() if format in ALONE]
     if not others:
         return
     what = f"{others[0]} is a file of modes, of a response, of margins, of a sweep or of a study"
     if len(others) < len(formats):
         raise UsageError(f"{what}: it is not drawn together with results of runs")
+    of_runs = {
+        "--spectrum": transforms.spectra, "--density": transforms.densities, "--from, --to": transforms.window != ALL,
+        **options,
+    }  # fmt: skip
     if any(formats[path] != study_file.FORMAT for path in others):
-        of_runs = of_runs | {"--plot": plots}
+        of_runs |= {"--plot": plots}
     if options := [option for option, value in of_runs.items() if value]:
         raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
-
-
-def _refuse_band(formats, band):
-    """Raise UsageError for a band of frequencies without a sweep."""
-    given = [name for name, value in zip(("--above", "--below"), band, strict=True) if value is not None]
-    if given and {*formats.values()} != {sweep_file.FORMAT}:
-        raise UsageError(f"{', '.join(given)}: only for files of `mecano modes --sweep`")
 
 
 def _of_others(paths, output, kind, band, force):
