@@ -49,7 +49,7 @@ def pack_play(values):
 
 
 def lower_below_upper(values):
-    """Check that the lower stop is below the upper one."""
+    """Return the error for ends in the wrong order, of stops or limits, if any."""
     return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
 
 

@@ -40,8 +40,3 @@ def limit_events(what: str) -> tuple[Event, ...]:
 def limits_of(d: "Values") -> dict[str, float]:
     """Return the limits of the record from the deck values ``d``, where they may be infinite."""
     return {"lower": max(d["lower"], -NONE), "upper": min(d["upper"], NONE)}
-
-
-def misplaced(d: "Values") -> list[str]:
-    """Return the error for limits in the wrong order, if any."""
-    return [] if d["lower"] < d["upper"] else ["'lower' must be less than 'upper'"]

@@ -14,12 +14,12 @@ from mecano.constraints.along_coordinate.limits import (
     limit_events,
     limited,
     limits_of,
-    misplaced,
     write_distances,
 )
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
 from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
+from mecano.laws.stops import lower_below_upper
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field
 
@@ -42,7 +42,7 @@ def check(d, nodes):
     """Return errors for limits in the wrong order, or none at all."""
     if math.isinf(d["lower"]) and math.isinf(d["upper"]):
         return ["give 'lower', 'upper' or both"]
-    return misplaced(d)
+    return lower_below_upper(d)
 
 
 LIMIT = signal_of_input(

@@ -25,12 +25,12 @@ from mecano.constraints.along_coordinate.limits import (
     limit_events,
     limited,
     limits_of,
-    misplaced,
     write_distances,
 )
 from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
 from mecano.element_interface import Output, named, record
 from mecano.jit.kernel import kernel
+from mecano.laws.stops import lower_below_upper
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
 
@@ -123,7 +123,7 @@ def _start_integral(p):
 
 def check(d, nodes):
     """Return errors: limits in the wrong order, a derivative without a time, an initial value without an integral."""
-    found = misplaced(d)
+    found = lower_below_upper(d)
     if d["derivative"] and d["derivative_time"] is None:
         found.append("'derivative' needs 'derivative_time', the time constant of its filter")
     if d["initial"] and not d["integral"]:
