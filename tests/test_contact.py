@@ -65,34 +65,39 @@ def test_a_struck_ball_slides_rolls_and_hits_another(verify):
     assert np.ptp(recorded["energy/balance"]) < 1e-3 * 0.34
 
 
-def test_newtons_cradle(verify):
-    """Touching balls pass the momentum on to the last one, in both directions, whichever contacts rounding closes."""
-    n, radius, angle = 5, 0.02, 0.3
+def cradle(body, radius, angle, time):
+    """Return the run of five touching balls on rods of 1 m, each with a ``body``; the first is raised by an angle."""
     nodes, elements, joints = "", "", ""
-    for i in range(n):
+    for i in range(5):
         x, z = (2 * radius * i, -1.0) if i else (-math.sin(angle), -math.cos(angle))
         nodes += f"p{i}: {{position: [{2 * radius * i}, 0, 0], fixed: true}}, b{i}: {{position: [{x}, 0, {z}]}}, "
-        elements += f"ball{i}: {{type: rigid_body, node: b{i}, mass: 0.1, inertia: [1.6e-5, 1.6e-5, 1.6e-5]}}, "
+        elements += f"ball{i}: {{{body}, node: b{i}}}, "
         joints += f"rod{i}: {{type: rigid_rod, nodes: [p{i}, b{i}]}}, "
-    for i in range(n - 1):
+    for i in range(4):
         ball = f"sphere: {{radius: {radius}}}, radius: {radius}, restitution: 1"
         elements += f"c{i}: {{type: contact, nodes: [b{i}, b{i + 1}], {ball}}}, "
-    run = RecordedRun(
+    return RecordedRun(
         deck(f"""
         mecano: 1
         gravity: [0, 0, {-g}]
         nodes: {{{nodes}}}
         elements: {{{elements}}}
         joints: {{{joints}}}
-        time: {{end: 1.6, step: 5 ms}}
+        time: {{{time}}}
     """)
     )
+
+
+def test_newtons_cradle(verify):
+    """Touching balls pass the momentum on to the last one, in both directions, whichever contacts rounding closes."""
+    angle, body = 0.3, "type: rigid_body, mass: 0.1, inertia: [1.6e-5, 1.6e-5, 1.6e-5]"
+    run = cradle(body, 0.02, angle, "end: 1.6, step: 5 ms")
     quarter = ellipk(math.sin(angle / 2) ** 2) / math.sqrt(g)
     momentum = 0.1 * math.sqrt(2 * g * (1 - math.cos(angle)))
     shocks = [event for event in run.event_records if event.impulse]
-    names = [f"contact 'c{i}'" for i in range(n - 1)]
+    names = [f"contact 'c{i}'" for i in range(4)]
     assert [event.element for event in shocks] == names + names[::-1]
-    np.testing.assert_allclose([event.t for event in shocks], np.repeat([1, 3], n - 1) * quarter, rtol=1e-4)
+    np.testing.assert_allclose([event.t for event in shocks], np.repeat([1, 3], 4) * quarter, rtol=1e-4)
     np.testing.assert_allclose([event.impulse for event in shocks], momentum, rtol=1e-4)
     first, last = shocks[0], shocks[-1]
     verify(S, "Newton's cradle: first impact [s]", first.t, quarter, "elliptic integral", relative=1e-4)
@@ -105,25 +110,7 @@ def test_a_row_of_masses_on_rods_keeps_its_energy():
 
     Its speed is that of a fall from 0.5 rad on rods of 1 m; the impulses have no lever arm, up to rounding.
     """
-    nodes, elements, joints = "", "", ""
-    for i in range(5):
-        x, z = (0.1 * i, 0.0) if i else (-math.sin(0.5), 1.0 - math.cos(0.5))
-        nodes += f"p{i}: {{position: [{0.1 * i}, 0, 1], fixed: true}}, b{i}: {{position: [{x}, 0, {z}]}}, "
-        elements += f"m{i}: {{type: point_mass, node: b{i}, mass: 1}}, "
-        joints += f"r{i}: {{type: rigid_rod, nodes: [p{i}, b{i}]}}, "
-    for i in range(4):
-        ball = "sphere: {radius: 0.05}, radius: 0.05, restitution: 1"
-        elements += f"c{i}: {{type: contact, nodes: [b{i}, b{i + 1}], {ball}}}, "
-    run = RecordedRun(
-        deck(f"""
-        mecano: 1
-        gravity: [0, 0, {-g}]
-        nodes: {{{nodes}}}
-        elements: {{{elements}}}
-        joints: {{{joints}}}
-        time: {{end: 0.511, step: 1 ms}}
-    """)
-    )
+    run = cradle("type: point_mass, mass: 1", 0.05, 0.5, "end: 0.511, step: 1 ms")
     speed = math.sqrt(2 * g * (1 - math.cos(0.5)))
     assert [event.element for event in run.event_records] == [f"contact 'c{i}'" for i in range(4)]
     np.testing.assert_allclose([event.impulse for event in run.event_records], speed, rtol=1e-5)
