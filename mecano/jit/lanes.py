@@ -1,6 +1,6 @@
-"""Numbers of four elements at once for numba: processors compute with all four in one instruction.
+"""Numbers of four elements, or slopes along four directions, for numba: processors compute with all four at once.
 
-``Lanes`` is the type of such a number, ``Mask`` that of a comparison of them. Both mix with numbers that are the same
+``Lanes`` is the type of such numbers, ``Mask`` that of a comparison of them. Both mix with numbers that are the same
 for all four elements. symbols.py has their arithmetic.
 """
 
@@ -38,7 +38,7 @@ class _Mask(types.Type):
 
 
 class _LanesRecord(types.Record):
-    """The type of the record of four elements."""
+    """The type of a record with Lanes: that of four elements, or a Dual."""
 
     @property
     def dtype(self):

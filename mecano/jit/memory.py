@@ -5,7 +5,7 @@ Only the names are declared here; arrays.py implements them.
 
 import numpy as np
 
-LANES = 4  # elements that are computed at once where a kind allows it
+LANES = 4  # slopes of each Dual; elements that are computed at once where a kind allows it
 
 
 def floats(address, shape):

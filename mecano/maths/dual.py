@@ -14,7 +14,7 @@ from mecano.jit.methods import Generic, algebraic, method
 
 NUMBER = float
 TINY = 1e-150  # below this value, the slope of a root is taken as zero
-DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # item type of arrays of Duals in compiled code
+DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # a stored Dual with one slope
 
 
 @algebraic
