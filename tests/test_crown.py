@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from convergence import at_times
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize
+from scipy.optimize import least_squares, minimize
+from scipy.spatial.transform import Rotation
 from test_rigid_wheel import MASS, TORUS_TIMES, E, G, R, contact_of_torus, rates_of_torus
 from time_runs import RecordedRun, deck
 
@@ -59,6 +60,62 @@ def test_static_inclined_wheel(kind, law, verify):
     verify("Rolling", f"{what}: normal force [N]", outputs["normal_force"], MASS * G, "weight", relative=1e-9)
     found, expected = np.abs(run["joints/guide/moment"][-1]).max(), MASS * G * (R - E) * np.sin(LEAN)
     verify("Rolling", f"{what}: overturning moment [N m]", found, expected, "closed form", relative=1e-9)
+
+
+WAVE, AMPLITUDE = 1.3, 0.03  # 1/m, m: of the road
+ATTITUDES = [(0.0, 0.0, 0.1), (0.5, 0.3, 0.35), (-0.7, 0.8, 0.6), (0.9, -0.5, 0.9)]  # lean, heading [rad], place [m]
+
+
+def frame(lean, heading):
+    """Axis and driving direction of a wheel, and the direction from its centre to its lowest point on level ground."""
+    turn = Rotation.from_euler("ZX", [heading, -lean])
+    return turn.apply([0.0, 1.0, 0.0]), turn.apply([1.0, 0.0, 0.0]), turn.apply([0.0, 0.0, -1.0])
+
+
+def nearest(x, lean, heading):
+    """Distance of the middle circle from a wavy road, and the point of the road, by a search over both."""
+    _, ahead, down = frame(lean, heading)
+
+    def points(u):
+        circle = x + (R - E) * (np.cos(u[0]) * down + np.sin(u[0]) * ahead)
+        return circle, np.array([u[1], u[2], AMPLITUDE * np.sin(2.0 * np.pi * WAVE * u[1])])
+
+    start = points([0.0, 0.0, 0.0])[0]
+    found = least_squares(lambda u: np.subtract(*points(u)), [0.0, *start[:2]], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    circle, road = points(found.x)
+    return np.linalg.norm(circle - road), road
+
+
+def test_rounded_treads_on_a_wavy_road(verify):
+    """Depth and contact of tori in several attitudes are those of the shortest way from the middle circle."""
+    nodes, elements, expected = [], [], []
+    for i, (lean, heading, place) in enumerate(ATTITUDES):
+        x = np.array([place, 0.0, -0.03 + E + (R - E) * np.cos(lean)])
+        nodes.append(f"hub_{i}: {{position: {x.tolist()}}}")
+        elements.append(f"rim_{i}: {{type: rigid_body, node: hub_{i}, mass: 1, inertia: [1, 1, 1]}}")
+        axis = frame(lean, heading)[0].tolist()
+        elements.append(f"tyre_{i}: {{type: wheel, node: hub_{i}, axis: {axis}, tire_law: round, ground: road}}")
+        expected.append(nearest(x, lean, heading))
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes: {{{", ".join(nodes)}}}
+        elements: {{{", ".join(elements)}}}
+        tire_laws:
+          round: {{radius: {R}, crown_radius: {E}, radial: {{linear: {{slope: 1.0}}}}, {FRICTION}}}
+        grounds:
+          road:
+            plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}
+            profile: {{direction: [1, 0, 0], height: {{sine: {{amplitude: {AMPLITUDE}, frequency: {WAVE}}}}}}}
+        time: {{end: 1.0e-6, step: 1.0e-6}}
+    """)
+    )
+    for i, (distance, road) in enumerate(expected):
+        assert 0.05 < distance < E
+        what = f"tread of a torus on waves, leaning by {ATTITUDES[i][0]} rad: height over the road [m]"
+        verify("Rolling", what, E - run[f"elements/tyre_{i}/deformation"][0], distance, "shortest way", absolute=1e-9)
+        np.testing.assert_allclose(run[f"elements/tyre_{i}/contact_point"][0], road, atol=1e-6)
 
 
 ROLLING = f"""
@@ -140,7 +197,6 @@ def test_a_leaning_tyre_of_a_file_rolls_on_a_smaller_radius():
     ("old", "new", "text"),
     [
         (f"crown_radius: {E}", f"crown_radius: {R}", "'crown_radius' must be less than the 'radius' of 0.3225 m"),
-        ("normal: [0, 0, 1]}", "normal: [0, 0, 1]}, profile: {direction: [1, 0, 0], height: 0.1}", "needs a plane"),
         ("type: wheel", "type: adhesive_wheel", "for the kinds wheel and transient_wheel only"),
     ],
 )

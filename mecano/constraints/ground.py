@@ -97,13 +97,9 @@ def check_axle(ground, x, axis):
     return []
 
 
-def check_crown(ground, radius, crown):
+def check_crown(radius, crown):
     """Return errors in the ``crown`` radius [m] of the tread of a wheel."""
-    if crown >= radius:
-        return [f"'crown_radius' must be less than the 'radius' of {radius:g} m"]
-    if crown and ground.get("profile"):
-        return ["a wheel with a 'crown_radius' needs a plane, without 'ground.profile'"]
-    return []
+    return [] if crown < radius else [f"'crown_radius' must be less than the 'radius' of {radius:g} m"]
 
 
 def rim_above(ground, radius, x, axis, crown=0.0):
@@ -163,16 +159,16 @@ def touch(p, laws, x, a):
     z, centre = dot(n0, X), dot(d, X)
     delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
     # evaluate the root again as a function of z, a and the centre
-    H, H1, H2 = _profile(laws, p.height, centre + delta)
+    H, H1, H2 = profile_at(laws, p.height, centre + delta)
     residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
     delta = implicit(delta, residual, value(slope))
-    H, H1, _ = _profile(laws, p.height, centre + delta)
+    H, H1, _ = profile_at(laws, p.height, centre + delta)
     g = disc_contact(profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
     return Contact(g.n, g.c, g.s, g.q, g.r, g.arm - p.crown * g.n)
 
 
 @kernel
-def _profile(laws, height, sigma):
+def profile_at(laws, height, sigma):
     """Return height [m], slope [-] and second derivative [1/m] of the profile; the last is not differentiated."""
     H, H1, H2 = evaluate_curve(laws, height, value(sigma))
     return chain(sigma, H, H1), chain(sigma, H1, H2), H2

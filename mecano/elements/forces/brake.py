@@ -26,9 +26,10 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
+from mecano.constraints.torus import touch_torus
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Kind, Output, named, record
-from mecano.elements.wheels.crown import crown_of, touch_crown
+from mecano.elements.wheels.crown import crown_of
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
@@ -71,7 +72,7 @@ def bound_of(p, at):
     g = touch(p, at.laws, vec(at.q, POSITION), axis)
     loaded, w1 = g.r, -dot(g.n, velocity + cross(omega, g.arm)) / g.q
     if p.crown > 0.0:
-        tread = touch_crown(p, vec(at.q, POSITION), axis)
+        tread = touch_torus(p, at.laws, vec(at.q, POSITION), axis)
         loaded, w1 = tread.r, -dot(tread.n, velocity + cross(omega, tread.arm))
     r, u = at_most(loaded, p.radius), speed_over_ground(g.n, velocity)
     pressing = select(loaded < p.radius, radial_force(p, at.laws, p.radius - loaded, w1) * r, 0.0)

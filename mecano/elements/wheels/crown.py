@@ -2,10 +2,10 @@ r"""Tyres with a rounded tread: a torus that is pressed into the ground along th
 
 The tyre of a motorcycle is a torus: its tread has the radius e = ``crown_radius``, seen along the wheel, around a
 middle circle of the radius R_m = radius - e. As the wheel leans, its contact moves across the tread. With the height h
-of the centre over a plane with the normal n, and q, c of a disc (mecano/maths/surface.py):
+of the centre over the ground, along its normal n at the contact C, and q, c of a disc (mecano/maths/surface.py):
 
     deformation          w = R_m q + e - h                dw/dt = -n.(v + omega x (C - x))
-    contact              C = x + R_m c - (e - w) n,       on the plane below the middle circle
+    contact              C = x + R_m c - (e - w) n,       on the ground below the middle circle
     normal force         N = F_r(w, dw/dt)                along n, not in the plane of the wheel
     slip velocity        v_C = (I - n n^T)(v + omega x (C - x))
 
@@ -17,12 +17,16 @@ radius R_m + (e - w) q about the axle: the effective rolling radius is that of a
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
-from mecano.constraints.ground import rim_above
-from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, sqrt
-from mecano.maths.surface import LEAST_Q, Contact
-from mecano.maths.vector import dot, vec
+import numpy as np
+
+from mecano.constraints.ground import prepare_ground, rim_above
+from mecano.constraints.torus import touch_torus
+from mecano.constraints.triads import unit
+from mecano.element_interface import Context
+from mecano.laws.table import LawTable
+from mecano.maths.vector import Vec3
 from mecano.schema import NUMBER, Field, not_negative
 
 CROWN = Field(
@@ -52,28 +56,16 @@ def tread_above(d, ground, x, axis):
 
     ``d``: deck values of a wheel; centre ``x`` (3,) [m] and ``axis`` (3,) must have passed ``check_axle``.
     """
-    crown = crown_of(d)
-    in_plane, along_normal = rim_above(ground, d["tire_law"]["radius"] - crown, x, axis, crown)
-    return along_normal if crown else in_plane, along_normal
-
-
-@kernel
-def touch_crown(p, x, a):
-    """Return the Contact of a torus of centre ``x`` and unit axis ``a`` with a plane; its r is the radius minus w.
-
-    ``p`` has GROUND_RECORD, whose point is raised by the crown radius, and the ``radius`` [m] with the crown.
-    """
-    n = vec(p.normal, 0)
-    s, above = dot(n, a), dot(n, x - vec(p.point, 0))
-    m = n - s * a
-    q = at_least(sqrt(dot(m, m)), LEAST_Q)
-    c, middle = -m / q, p.radius - p.crown
-    w = middle * q - above
-    return Contact(n, c, s, q, p.radius - w, middle * c - (p.crown - w) * n)
+    crown, radius = crown_of(d), d["tire_law"]["radius"]
+    if not crown:
+        return rim_above(ground, radius, x, axis)
+    laws = LawTable()
+    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3)), crown))
+    g = touch_torus(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
+    return g.r - radius, g.r - radius
 
 
 def with_crown(sample):
-    """Return a sample (values, nodes, phase) of a wheel of 12 m with a rounded tread, on a plane."""
+    """Return a sample (values, nodes, phase) of a wheel of 12 m with a rounded tread."""
     values, nodes, phase = sample
-    ground, law = {**values["ground"], "profile": None}, {**values["tire_law"], "crown_radius": 3.0}
-    return {**values, "ground": ground, "tire_law": law}, nodes, phase
+    return {**values, "tire_law": {**values["tire_law"], "crown_radius": 3.0}}, nodes, phase

@@ -32,6 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.torus import torus_contact
 from mecano.elements.wheels.slip_law import default_values
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_values
@@ -265,11 +266,19 @@ SQUARE, CROSSING = plane_by(squarely), plane_by(at_an_angle)
 
 
 @kernel
-def contact_with(p, e, a):
+def flat_contact_with(p, e, a):
     """Return the Contact of a wheel of the axis a with its EffectivePlane ``e``."""
     length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
     n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
     return disc_contact(n, e.above / length, a)
+
+
+@kernel
+def round_contact_with(p, e, a):
+    """Return the same for a rounded tread, by whose radius the plane is raised."""
+    length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
+    n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
+    return torus_contact(p.radius, p.crown, n, (e.above + p.crown) / length, a)
 
 
 @kernel

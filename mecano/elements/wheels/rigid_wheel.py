@@ -154,7 +154,9 @@ def parts(d, nodes, context):
 def check(d, nodes):
     """Return errors for an unusable ground, a wheel that lies flat or starts below the ground."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
-    texts += check_crown(d["ground"], d["radius"], d["crown_radius"])
+    texts += check_crown(d["radius"], d["crown_radius"])
+    if d["crown_radius"] and d["ground"].get("profile"):
+        texts.append("a rigid_wheel with a 'crown_radius' needs a plane, without 'ground.profile'")
     if not texts:
         texts = _check_rim(d, *_rim(d, nodes))
     if d["axle"] == "level" and d["unilateral"]:

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import end_conditions, touch
+from mecano.constraints.torus import touch_torus
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.crown import touch_crown
-from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
+from mecano.elements.wheels.enveloping import flat_contact_with, rise_of_plane, round_contact_with
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
@@ -86,7 +86,7 @@ def flat(p, g):
 
 @kernel
 def rounded(p, g):
-    """Return the Tread of a torus at the Contact ``g`` of ``touch_crown``."""
+    """Return the Tread of a torus at the Contact ``g`` of ``torus_contact``."""
     return Tread(g, (p.radius - p.crown) * g.c - p.crown * g.n, -dot(g.n, g.arm), 1.0)
 
 
@@ -94,13 +94,17 @@ def rounded(p, g):
 def crowned_rolling(p, at, touching):
     """Return the Rolling of a wheel with a rounded tread, as ``rolling``."""
     x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-    g = touch_crown(p, x, axis)
+    g = touch_torus(p, at.laws, x, axis)
     return rolling_on(p, at, touching, rounded(p, g), axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
 
 
 @cache
-def enveloping_on(plane):
-    """Return the kernels that give the Rolling and the event values of a wheel on the effective ``plane`` of cams."""
+def enveloping_on(plane, crowned):
+    """Return the kernels that give the Rolling and the event values of a wheel on the effective ``plane`` of cams.
+
+    ``crowned``: with a rounded tread.
+    """
+    contact_with, tread = (round_contact_with, rounded) if crowned else (flat_contact_with, flat)
 
     @kernel
     def effective(p, at):
@@ -113,7 +117,7 @@ def enveloping_on(plane):
     def enveloping(p, at, touching):
         axis, found, g = effective(p, at)
         rise, surface = rise_of_plane(found, g, vec(at.v, 0)), surface_at(p, at, g.n, vec(at.q, 0) + g.arm)
-        return rolling_on(p, at, touching, flat(p, g), axis, surface, rise, 0.0)
+        return rolling_on(p, at, touching, tread(p, g), axis, surface, rise, 0.0)
 
     @kernel
     def effective_event_values(p, at, g):
@@ -127,9 +131,9 @@ def enveloping_on(plane):
 
 def rolling_of(law):
     """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
-    if law.crowned:
-        return crowned_rolling
-    return enveloping_on(law.plane)[0] if law.plane else rolling
+    if law.plane:
+        return enveloping_on(law.plane, law.crowned)[0]
+    return crowned_rolling if law.crowned else rolling
 
 
 @kernel
@@ -209,16 +213,16 @@ def event_values(p, at, g):
 @kernel
 def crowned_event_values(p, at, g):
     """Write the deformation of a rounded tread along the normal for the touch-down, minus it for the lift-off [m]."""
-    contact = touch_crown(p, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
+    contact = touch_torus(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
 
 
 def event_values_of(law):
     """Return the kernel ``event_values`` of a wheel with a SlipLaw."""
-    if law.crowned:
-        return crowned_event_values
-    return enveloping_on(law.plane)[1] if law.plane else event_values
+    if law.plane:
+        return enveloping_on(law.plane, law.crowned)[1]
+    return crowned_event_values if law.crowned else event_values
 
 
 def limits(d):

@@ -92,7 +92,7 @@ def check_wheel(d, nodes):
         return check_tire_law(d["tire_law"]) + texts
     place = ground_of(d), nodes[0][0], d["axis"]
     texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place)
-    texts += check_crown(d["ground"], d["tire_law"]["radius"], crown_of(d))
+    texts += check_crown(d["tire_law"]["radius"], crown_of(d))
     return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d, *place))
 
 

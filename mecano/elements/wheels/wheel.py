@@ -17,7 +17,7 @@ For an upright wheel with friction this is the paper's vector; for a leaning one
 The power is -(F.v_C + M.omega) + F_r dw/dt: the power dissipated by slip and damping (never negative), exchanged with
 the rolling by the slip law, and stored by the radial law. dw/dt depends on q and on v.
 
-With a ``crown_radius`` the tyre is a torus, whose radial force acts along n at its own contact with the ground, a plane
+With a ``crown_radius`` the tyre is a torus, whose radial force acts along n at its own contact with the ground
 (docs/tyre-equations.md, Rounded treads).
 
 In the phase "air" there is no force. In the phase "contact" the tyre law is continued smoothly to w < 0, for steps that
@@ -89,7 +89,7 @@ def sample(rng):
         *found,
         *(with_rolling(found[i]) for i in (0, 3)),
         *(with_enveloping(found[i], b) for i, b in ((1, 0.0), (2, 0.0), (1, 3.0))),
-        *(with_crown(one) for one in (found[0], with_rolling(found[0]), found[-2])),
+        *(with_crown(one) for one in (found[1], with_rolling(found[0]), found[-2], with_enveloping(found[1], 3.0))),
     ]
 
 

@@ -1,0 +1,94 @@
+r"""A ground surface and the point of a torus that is deepest in it: tyres with a rounded tread.
+
+The torus has the centre x, the unit axis a, a middle circle of the radius R and a tread of the radius e around it. M is
+the point of the middle circle that is nearest to the ground, P the point of the ground below it along the normal n at P
+(surface.py):
+
+    M = x + R c,   c = -(n - s a)/q,   M - P = (n.(M - P)) n
+
+The tread is pressed in along n by w, and touches the ground at C = P:
+
+    w = e - n.(M - P),   C - x = R c - (e - w) n
+
+The distance of M from the ground is stationary for both points, so that the first variation is
+
+    dw = -n.(dx + dtheta x R c) = -n.(dx + dtheta x (C - x))
+
+On a profile the position of P along it is implicit, as that of the contact of a disc.
+"""
+
+from mecano.constraints.ground import profile_at
+from mecano.jit.kernel import kernel
+from mecano.laws.table import evaluate_curve
+from mecano.maths.dual import at_least, implicit, sqrt, value
+from mecano.maths.surface import LEAST_Q, Contact, profile_normal
+from mecano.maths.vector import dot, vec
+
+ITERATIONS = 50  # 3 to 5 are usual
+STEP_END = 1e-11  # of the radius; the iteration converges quadratically
+
+
+@kernel
+def torus_contact(radius, crown, n, height, a):
+    """Return the Contact of a torus of unit axis ``a`` with a plane of unit normal n; its r is the radius minus w.
+
+    ``radius`` [m] is that of the middle circle plus the ``crown`` radius [m]; ``height`` [m]: of the centre.
+    """
+    s = dot(n, a)
+    m = n - s * a
+    q = at_least(sqrt(dot(m, m)), LEAST_Q)
+    c, middle = -m / q, radius - crown
+    w = middle * q - (height - crown)
+    return Contact(n, c, s, q, radius - w, middle * c - (crown - w) * n)
+
+
+@kernel
+def touch_torus(p, laws, x, a):
+    """Return the Contact of the ground with record ``p`` and a torus of centre ``x`` and unit axis ``a``.
+
+    ``p`` has GROUND_RECORD, with a point that is raised by the crown radius, and the ``radius`` [m] with the crown.
+    """
+    n0, d = vec(p.normal, 0), vec(p.direction, 0)
+    X = x - vec(p.point, 0)
+    z, centre = dot(n0, X) + p.crown, dot(d, X)
+    delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
+    # evaluate the root again as a function of z, a and the centre
+    H, H1, H2 = profile_at(laws, p.height, centre + delta)
+    residual, slope = _residual(p.radius - p.crown, n0, d, a, z, delta, H, H1, value(H2))
+    delta = implicit(delta, residual, value(slope))
+    H, H1, _ = profile_at(laws, p.height, centre + delta)
+    height = (z - H + H1 * delta) / sqrt(1.0 + H1 * H1)
+    return torus_contact(p.radius, p.crown, profile_normal(n0, d, H1), height, a)
+
+
+@kernel
+def _residual(middle, n0, d, a, z, delta, H, H1, H2):
+    """Return (M - P).(d + H1 n0), which is zero at the contact, and its derivative by the place of P.
+
+    P is at the distance ``delta`` [m] along the profile from the centre, whose height above the plane is z [m].
+    """
+    N = n0 - H1 * d
+    m = N - dot(N, a) * a
+    Q = at_least(sqrt(dot(m, m)), LEAST_Q)
+    c = -m / Q
+    along, up, da = dot(d, c), dot(n0, c), dot(d, a)
+    above = z + middle * up - H
+    turned_along = H2 / Q * (1.0 - da * da - along * along)
+    turned_up = -(H2 / Q) * (da * dot(n0, a) + along * up)
+    residual = middle * along - delta + H1 * above
+    return residual, middle * (turned_along + H1 * turned_up) - 1.0 + H2 * above - H1 * H1
+
+
+@kernel
+def _foot(p, laws, n0, d, a, z, centre):
+    """Return the distance [m] along the profile from the centre, at ``centre`` with height ``z``, to the contact."""
+    delta, step = 0.0, p.radius
+    for i in range(ITERATIONS + 1):
+        H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
+        if p.height == 0 or abs(step) < STEP_END * p.radius or i == ITERATIONS:
+            break
+        residual, slope = _residual(p.radius - p.crown, n0, d, a, z, delta, H, H1, H2)
+        step = residual / max(-slope, 0.05)
+        step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
+        delta += step
+    return delta
