@@ -22,7 +22,7 @@ The terms of v_C and of psi with :math:`\dot\psi\, y` and y are omitted (``twist
 
 from typing import NamedTuple
 
-from mecano.constraints.ground import touch
+from mecano.constraints.tread import Tread, flat_on_ground, rounded_on_ground
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import Contact
@@ -44,23 +44,34 @@ class Patch(NamedTuple):
     v_C: tuple  # [m/s]
     v_0: tuple  # v_C with the patch fixed in the wheel [m/s]
     w1: float  # dw/dt with the patch fixed in the wheel [m/s]
+    tread: Tread
     twist: float  # 1 if the twist moves a displaced patch, 0 if psi is only the slip angle
 
 
-@kernel
-def patch(p, at):
-    """Return the Patch of a wheel whose record has GROUND_RECORD, axis, radius and twist."""
-    R, v, y, psi, psi1 = mat(at.R[0]), at.v, number(at.q[Y]), number(at.q[PSI]), number(at.v[PSI])
-    a, omega = R @ vec(p.axis, 0), R @ vec(v, 3)
-    g = touch(p, at.laws, vec(at.q, 0) - y * a, a)
-    rho, across = g.arm - y * a, cross(g.n, a)
-    z = cross(omega, rho) - v[Y] * a
-    u = vec(v, 0) + (z + psi * cross(g.n, z))
-    lift = dot(g.n, u)
-    aside = a - g.s * g.n + psi * across  # Q a in the ground
-    v_C = u - lift * g.n - p.twist * psi1 * y * across
-    v_0 = v_C + (v[Y] * aside + p.twist * psi1 * y * across)
-    return Patch(g, a, across, omega, rho, y, psi, v_C, v_0, -(lift + v[Y] * g.s) / g.q, p.twist)
+def patch_with(tread_on_ground):
+    """Return the kernel that gives the Patch of a wheel with a tread of tread.py."""
+
+    @kernel
+    def patch(p, at):
+        """Return the Patch of a wheel whose record has GROUND_RECORD, axis, radius and twist."""
+        R, v, y, psi, psi1 = mat(at.R[0]), at.v, number(at.q[Y]), number(at.q[PSI]), number(at.v[PSI])
+        a, omega = R @ vec(p.axis, 0), R @ vec(v, 3)
+        tread = tread_on_ground(p, at.laws, vec(at.q, 0) - y * a, a)
+        g = tread.g
+        rho, across = g.arm - y * a, cross(g.n, a)
+        z = cross(omega, rho) - v[Y] * a
+        u = vec(v, 0) + (z + psi * cross(g.n, z))
+        lift = dot(g.n, u)
+        aside = a - g.s * g.n + psi * across  # Q a in the ground
+        v_C = u - lift * g.n - p.twist * psi1 * y * across
+        v_0 = v_C + (v[Y] * aside + p.twist * psi1 * y * across)
+        w1 = -(lift + v[Y] * g.s) / tread.tilt
+        return Patch(g, a, across, omega, rho, y, psi, v_C, v_0, w1, tread, p.twist)
+
+    return patch
+
+
+FLAT_PATCH, ROUND_PATCH = patch_with(flat_on_ground), patch_with(rounded_on_ground)
 
 
 @kernel

@@ -31,7 +31,7 @@ from mecano.schema import NUMBER, Field, not_negative
 
 CROWN = Field(
     "crown_radius", NUMBER, "m", "radius of a rounded tread, seen along the wheel; part of 'radius'; the radial force "
-    "acts along the normal of the ground: wheel, transient_wheel", 0.0, not_negative,
+    "acts along the normal of the ground: all wheels but wheel_on_body", 0.0, not_negative,
 )  # fmt: skip
 
 
@@ -48,7 +48,7 @@ def crown_of(d):
 
 def refuse_crown(d):
     """Return an error for a kind of wheel whose tyre has no rounded tread."""
-    return ["'tire_law.crown_radius' is available for the kinds wheel and transient_wheel only"] if crown_of(d) else []
+    return ["'tire_law.crown_radius' is not available for a wheel on the surface of a body"] if crown_of(d) else []
 
 
 def tread_above(d, ground, x, axis):

@@ -23,6 +23,8 @@ with N_d the part of N by damping. Upright this is the paper's (51) and the over
 neglects. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The energy that the lateral law stores,
 dissipates and exchanges with the rolling is given in docs/tyre-equations.md.
 
+With a ``crown_radius`` the tyre is a torus, as that of the kind wheel: its w, C and n, and 1 for q in dw_0/dt and N.
+
 In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as
 ``wheel``.
 """
@@ -30,8 +32,9 @@ In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see 
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.tire_patch import patch
+from mecano.constraints.tire_patch import FLAT_PATCH, ROUND_PATCH
 from mecano.element_interface import named, record
+from mecano.elements.wheels.crown import crown_of, crowned_law, with_crown
 from mecano.elements.wheels.lateral_law import relax
 from mecano.elements.wheels.patch_wheel import (
     RECORD,
@@ -43,6 +46,7 @@ from mecano.elements.wheels.patch_wheel import (
     prepare,
     put_patch,
     sample,
+    with_round_tread,
 )
 from mecano.elements.wheels.rolling_tyre import is_given, rolling_law, with_rolling
 from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
@@ -53,7 +57,7 @@ from mecano.maths.vector import add_vec, mat
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with this friction, a SlipLaw."""
-    forces, load_of = law.forces, loads_by(law.slip)
+    forces, load_of, patch = law.forces, loads_by(law.slip), ROUND_PATCH if law.crowned else FLAT_PATCH
 
     @kernel
     def residual(p, at, f):
@@ -90,15 +94,26 @@ def rolling_kind():
     )  # fmt: skip
 
 
+@cache
+def round_kind(rolling):
+    """Return the Kind of a wheel with a rounded tread, and, if ``rolling``, a rolling radius or resistance."""
+    law = crowned_law(SLIDING_FRICTION)
+    law = rolling_law(law) if rolling else law
+    return with_round_tread(rolling_kind() if rolling else FLEXIBLE_WHEEL, **compiled(law))
+
+
 def variant(d):
-    """Return the kind with or without a rolling radius or a rolling resistance."""
-    return rolling_kind() if is_given(d["tire_law"]) else FLEXIBLE_WHEEL
+    """Return the kind with or without a rounded tread, a rolling radius or a rolling resistance."""
+    rolling = is_given(d["tire_law"])
+    if crown_of(d):
+        return round_kind(rolling)
+    return rolling_kind() if rolling else FLEXIBLE_WHEEL
 
 
 def samples(rng):
-    """Return samples of any wheel with a patch, and one with a rolling radius and a rolling resistance."""
+    """Return samples of any wheel with a patch, and some with a rolling radius, a resistance, a rounded tread."""
     found = sample(rng)
-    return [*found, with_rolling(found[0])]
+    return [*found, with_rolling(found[0]), *map(with_crown, (found[1], found[2], found[3], with_rolling(found[0])))]
 
 
 FLEXIBLE_WHEEL = replace(

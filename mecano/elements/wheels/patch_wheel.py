@@ -5,16 +5,17 @@ patch slips, or it is held.
 """
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import GROUND_RECORD, end_conditions, touch
+from mecano.constraints.ground import GROUND_RECORD, end_conditions
 from mecano.constraints.tire_patch import Y, add_patch_force
+from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.crown import refuse_crown
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
@@ -115,7 +116,7 @@ def loads_by(slipping):
         """Return the Load of the Patch ``k``."""
         w = p.radius - k.g.r
         v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
-        N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
+        N, damping = radial / k.tread.tilt, (radial - elastic_force(at.laws, p.radial, w)) / k.tread.tilt
         u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
         grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
         rolling, spin = t + k.psi * l, dot(k.omega, k.a)
@@ -142,11 +143,11 @@ def add_load(f, at, k, load, F):
 def put_patch(p, at, k, load, friction, y, e):
     """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load`` and the PatchFriction ``friction``."""
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
-    arm = select(contact, k.rho, p.radius * k.g.c)
+    arm = select(contact, k.rho, k.tread.lowest)
     lowest = vec(v, 0) + cross(k.omega, arm)
     v_C = select(contact, friction.v, lowest - dot(k.g.n, lowest) * k.g.n)
     grip = Grip(load.radial, friction.F, load.N, v_C, friction.lost, k.w1)
-    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), k.g.r * k.g.q, 0.0), grip, y, e)
+    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), k.tread.height, 0.0), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
@@ -161,13 +162,18 @@ def put_patch(p, at, k, load, friction, y, e):
     e[3] = damped + rate - dot(f, vec(v, Y)) + select(contact, law.turn * dot(k.g.n, k.omega), 0.0)
 
 
-@kernel
-def event_values(p, at, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    axis = mat(at.R[0]) @ vec(p.axis, 0)
-    contact = touch(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis)
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
+def event_values_with(tread_on_ground):
+    """Return ``event_values`` of a wheel with a tread of tread.py."""
+
+    @kernel
+    def event_values(p, at, g):
+        """Write w for the touch-down, -w for the lift-off [m]."""
+        axis = mat(at.R[0]) @ vec(p.axis, 0)
+        contact = tread_on_ground(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis).g
+        g[0] = p.radius - contact.r
+        g[1] = contact.r - p.radius
+
+    return event_values
 
 
 def prepare(d, nodes, context):
@@ -186,7 +192,7 @@ def check(d, nodes):
     slips = [] if law["friction"] is not None else [f"a {d['type']} needs 'tire_law.friction'"]
     if d["ground"].get("motion"):
         slips.append("'ground.motion' is available for the kinds wheel and transient_wheel only")
-    slips += refuse_enveloping(d) + refuse_crown(d)
+    slips += refuse_enveloping(d)
     return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 
@@ -253,6 +259,13 @@ def sample(rng):
     return [_sample(rng, *case) for case in cases]
 
 
+def with_round_tread(kind, **functions):
+    """Return the Kind of ``patch_wheel`` with a rounded tread; ``functions``: those that depend on it."""
+    return replace(
+        kind, name=f"{kind.name}_crowned", variant=None, event_values=event_values_with(rounded_on_ground), **functions
+    )
+
+
 def patch_wheel(name, doc, massless, events=EVENTS, **functions):
     """Return the Kind of a wheel with a flexible patch; ``functions``: residual, observe, and those of constraints."""
     return Kind(
@@ -271,6 +284,6 @@ def patch_wheel(name, doc, massless, events=EVENTS, **functions):
         start_warnings=lambda d, nodes: [*start_warnings(d, nodes), *_twist_warnings(d, nodes)],
         start=lambda p: p["start"],
         **named(prepare, check, limits, remedies, end_conditions, sample),
-        event_values=event_values,
+        event_values=event_values_with(flat_on_ground),
         **functions,
     )

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import end_conditions, touch
-from mecano.constraints.torus import touch_torus
+from mecano.constraints.ground import end_conditions
+from mecano.constraints.tread import flat, flat_on_ground, rounded, rounded_on_ground
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
@@ -47,15 +47,6 @@ FIRST = 18  # index of the first value of these outputs, after those of tire_whe
 SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced
 
 
-class Tread(NamedTuple):
-    """The tread of a tyre and the ground; 3-vectors in the inertial frame."""
-
-    g: Contact
-    lowest: tuple  # from the centre to the lowest point of the undeformed tread [m]
-    height: float  # of the centre over the ground, along the normal at C [m]
-    tilt: float  # F_r/N: q for a force in the plane of the wheel, 1 for one along the normal
-
-
 class Rolling(NamedTuple):
     """Contact of a wheel; 3-vectors in the inertial frame."""
 
@@ -70,32 +61,27 @@ class Rolling(NamedTuple):
     rise: float  # velocity of the surface along its normal at C [m/s]
 
 
-@kernel
-def rolling(p, at, touching):
-    """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the rim."""
-    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-    g = touch(p, at.laws, x, axis)
-    return rolling_on(p, at, touching, flat(p, g), axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
+def on_ground(tread):
+    """Return the kernels that give the Rolling and the event values of a wheel with a ``tread`` on its ground."""
+
+    @kernel
+    def rolling(p, at, touching):
+        """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the tread."""
+        x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
+        k = tread(p, at.laws, x, axis)
+        return rolling_on(p, at, touching, k, axis, surface_at(p, at, k.g.n, x + k.g.arm), 0.0, 0.0)
+
+    @kernel
+    def event_values(p, at, g):
+        """Write w for the touch-down, -w for the lift-off [m]."""
+        contact = tread(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).g
+        g[0] = p.radius - contact.r
+        g[1] = contact.r - p.radius
+
+    return rolling, event_values
 
 
-@kernel
-def flat(p, g):
-    """Return the Tread of a disc at the Contact ``g``."""
-    return Tread(g, p.radius * g.c, g.r * g.q, g.q)
-
-
-@kernel
-def rounded(p, g):
-    """Return the Tread of a torus at the Contact ``g`` of ``torus_contact``."""
-    return Tread(g, (p.radius - p.crown) * g.c - p.crown * g.n, -dot(g.n, g.arm), 1.0)
-
-
-@kernel
-def crowned_rolling(p, at, touching):
-    """Return the Rolling of a wheel with a rounded tread, as ``rolling``."""
-    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-    g = touch_torus(p, at.laws, x, axis)
-    return rolling_on(p, at, touching, rounded(p, g), axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
+ON_FLAT, ON_ROUND = on_ground(flat_on_ground), on_ground(rounded_on_ground)
 
 
 @cache
@@ -129,11 +115,16 @@ def enveloping_on(plane, crowned):
     return enveloping, effective_event_values
 
 
+def contact_of(law):
+    """Return the kernels that give the Rolling and the event values of a wheel with a SlipLaw."""
+    if law.plane:
+        return enveloping_on(law.plane, law.crowned)
+    return ON_ROUND if law.crowned else ON_FLAT
+
+
 def rolling_of(law):
     """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
-    if law.plane:
-        return enveloping_on(law.plane, law.crowned)[0]
-    return crowned_rolling if law.crowned else rolling
+    return contact_of(law)[0]
 
 
 @kernel
@@ -202,29 +193,6 @@ def put_rolling(p, at, k, ground, y, e):
     return pushes
 
 
-@kernel
-def event_values(p, at, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
-
-
-@kernel
-def crowned_event_values(p, at, g):
-    """Write the deformation of a rounded tread along the normal for the touch-down, minus it for the lift-off [m]."""
-    contact = touch_torus(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
-
-
-def event_values_of(law):
-    """Return the kernel ``event_values`` of a wheel with a SlipLaw."""
-    if law.plane:
-        return enveloping_on(law.plane, law.crowned)[1]
-    return crowned_event_values if law.crowned else event_values
-
-
 def limits(d):
     """Return the limits of the radial law and of the slip law."""
     return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
@@ -267,7 +235,7 @@ def wheel_on_ground(law, compiled, **fields):
         layout=("x0", "R0"),
         fields=FIELDS,
         start_warnings=start_warnings,
-        event_values=event_values_of(law),
+        event_values=contact_of(law)[1],
         **fields,
     )
 

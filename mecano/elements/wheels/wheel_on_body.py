@@ -33,6 +33,7 @@ from mecano.constraints.carried_surface import (
 )
 from mecano.constraints.ground import LEAST_Q, too_low
 from mecano.constraints.touching import check_one_surface, named_surface
+from mecano.constraints.tread import flat
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
@@ -43,7 +44,6 @@ from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
     add_ground,
     by_slip_law,
-    flat,
     law_samples,
     put_rolling,
     rolling_on,
