@@ -10,6 +10,7 @@ from time_runs import deck
 from mecano.analyses.dynamic import run
 from mecano.deck.read import deck_of_bytes
 from mecano.laws.probe import curve_at
+from mecano.post.curve_values import curve_values, terms_of
 from mecano.results.reader import open_results
 
 TRAVEL = """
@@ -50,6 +51,17 @@ def test_the_resolved_deck_has_the_same_law():
     again = deck_of_bytes(json.dumps(given.resolved()).encode(), "again.yaml")
     assert again.values["laws"]["there_and_back"] == given.values["laws"]["there_and_back"]
     assert curve_at(again.values["laws"]["there_and_back"], 0.45)[0] == pytest.approx(0.345, rel=1e-14)
+
+
+def test_pictures_draw_such_a_law():
+    """From the resolved deck in the results; by name and written in place."""
+    plain = json.loads(json.dumps(deck(TRAVEL).resolved()))
+    t = np.linspace(0.0, 0.8, 9)
+    for law in ("there_and_back", plain["laws"]["there_and_back"]):
+        np.testing.assert_allclose(
+            curve_values(plain, law, t), 0.3 * (edge(t, 0.1) - edge(t, 0.5)) + 0.1 * t, atol=1e-14
+        )
+    assert [name for name, _ in terms_of(plain, "there_and_back")] == ["step", "linear", "step"]
 
 
 def test_a_term_of_a_list_may_be_overridden():

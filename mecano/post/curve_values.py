@@ -18,9 +18,17 @@ def checked_law(deck: Mapping[str, Any], law: Any) -> Any:
     """Return the checked law, with defaults for absent fields; ``law`` as in ``curve_values``."""
     from mecano.laws import TERMS
 
-    terms = deck["laws"][law] if isinstance(law, str) else law
-    if not isinstance(terms, dict):
-        return terms
+    found = deck["laws"][law] if isinstance(law, str) else law
+    if not isinstance(found, dict | list):
+        return found
     return tuple(
-        (name, {f.name: values.get(f.name, f.default) for f in TERMS[name].fields}) for name, values in terms.items()
+        (name, {f.name: values.get(f.name, f.default) for f in TERMS[name].fields})
+        for name, values in terms_of(deck, law)
     )
+
+
+def terms_of(deck: Mapping[str, Any], law: Any) -> list[tuple[str, dict[str, Any]]]:
+    """Return the terms (name, values) of a law, a mapping or a list of such; none of a number or of None."""
+    found = deck.get("laws", {}).get(law) if isinstance(law, str) else law
+    parts = found if isinstance(found, list) else [found]
+    return [term for part in parts if isinstance(part, dict) for term in part.items()]

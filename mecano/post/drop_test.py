@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.constraints.triads import triad
+from mecano.post.curve_values import terms_of
 from mecano.post.ground import plane_of
 from mecano.post.panels import with_peaks
 from mecano.post.quantity import SAVED, Quantity, find, time_of
@@ -71,8 +72,7 @@ def _impacts(run, number):
 
 def _absorbs(run, d):
     law = d.get("law") if PICTURE in run.display(d).pictures else None
-    terms = run.deck.get("laws", {}).get(law, {}) if isinstance(law, str) else law or {}
-    return any(term in terms for term in ABSORBING)
+    return any(term in ABSORBING for term, _ in terms_of(run.deck, law))
 
 
 def _contact(run, wheel):

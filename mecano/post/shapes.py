@@ -16,6 +16,7 @@ from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines, surface_outlines
+from mecano.post.curve_values import terms_of
 from mecano.post.ground import plane_of
 from mecano.post.recovered import lines, nodes_inside, recovered
 
@@ -225,14 +226,13 @@ def _line(style, motion, name, d):
 
 def _spring(motion, name, d):
     """Return the line of a spring, or nothing for one without a force, which only measures a length."""
-    return [] if _is_gauge(d) else _line(SPRING, motion, name, d)
+    return [] if _is_gauge(motion.run.deck, d) else _line(SPRING, motion, name, d)
 
 
-def _is_gauge(d):
+def _is_gauge(deck, d):
     """Return whether all numbers of the law of a spring are zero."""
-    law = d.get("law")
-    terms = law.values() if isinstance(law, dict) else ()
-    return bool(terms) and all(isinstance(term, dict) and not any(term.values()) for term in terms)
+    terms = terms_of(deck, d.get("law"))
+    return bool(terms) and not any(any(values.values()) for _, values in terms)
 
 
 def _joint(motion, name, d):
