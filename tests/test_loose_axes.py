@@ -81,3 +81,12 @@ def test_a_brake_about_another_axis_than_its_wheel_is_warned_of():
         "brake 'brake': 'axis' [1, 0, 0] is across [0, 1, 0], the only axis about which hinge 'bearing' lets 'leg', "
         "'hub' turn: no effect"
     )
+
+
+def test_a_rack_across_its_guide_is_warned_of():
+    (said,) = (w.message for w in input_deck("rack", "joints.guide.axis=[0, 0, 1]").warnings)
+    assert said == (
+        "rack_and_pinion 'teeth': 'direction' [1, 0, 0] is across [0, 0, 1], along which prismatic 'guide' lets 'rack' "
+        "slide: it cannot roll"
+    )
+    assert input_deck("rack").warnings == ()

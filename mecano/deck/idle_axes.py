@@ -1,4 +1,4 @@
-"""Warnings about springs, brakes and couples that act about an axis about which their nodes cannot turn."""
+"""Warnings about springs, brakes, couples and racks that act about or along an axis which their joints hold."""
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mecano.deck.lint import LocatedWarning
     from mecano.schema import Values
 
+SLIDING = {"about_1", "about_2", "about_axis", "along_1", "along_2"}  # axes that a guide holds
 ACROSS = 0.1  # cosine of the angle between two axes that count as perpendicular
 MOST_NAMED = 3
 
@@ -44,6 +45,21 @@ def idle_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedW
             text = f"{quoted(field)} {listed(axis)} is across {listed(axes[0])}, the only axis about which {held} "
             what = f"{values[section][name]['type']} {quoted(name)}: {text}let{'s' if len(found) == 1 else ''}"
             yield (section, name, field), f"{what} {name_list([quoted(n) for n in pair], MOST_NAMED)} turn: no effect"
+
+
+def idle_racks(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+    """Yield (path, text) on racks whose teeth run across the guide on which they slide."""
+    racks = {name: d for name, d in values["joints"].items() if {"direction", "radius"} <= d.keys()}
+    if not racks:
+        return
+    guides = {name: d for name, d in values["joints"].items() if set(kinds[d["type"]].holds(d)) == SLIDING}
+    for name, d in racks.items():
+        rack = d["nodes"][0]
+        for guide, g in guides.items():
+            if rack in g["nodes"] and _are_perpendicular(d["direction"], g["axis"]):
+                text = f"'direction' {listed(d['direction'])} is across {listed(g['axis'])}, along which {g['type']}"
+                what = f"{d['type']} {quoted(name)}: {text} {quoted(guide)} lets {quoted(rack)} slide: it cannot roll"
+                yield ("joints", name, "direction"), what
 
 
 def _between(pair, hinges):

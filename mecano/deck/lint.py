@@ -192,6 +192,10 @@ def _joints(values, kinds):
         from mecano.deck.idle_axes import idle_axes
 
         yield from idle_axes(values, kinds)
+    if any({"direction", "radius"} <= d.keys() for d in values["joints"].values()):
+        from mecano.deck.idle_axes import idle_racks
+
+        yield from idle_racks(values, kinds)
 
 
 def _bodies(values):
