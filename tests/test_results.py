@@ -174,6 +174,10 @@ def test_similar_outputs_are_different_ones():
         ("axle.position.3", "no component '3'"),
         ("axle.positon.magnitude", "no output 'axle.positon' in this file; did you mean axle.position"),
         ("wheel.radial_force.x", "no output 'wheel.radial_force.x'"),
+        (
+            "abs(wheel.radial_force)",
+            "no output 'abs(wheel.radial_force)' in this file; for a formula of outputs define a signal in the deck",
+        ),
         ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
         ("axle", "no output 'axle' in this file, but axle.position, axle.rotation"),
     ],

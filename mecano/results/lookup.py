@@ -110,6 +110,8 @@ class Lookup:
         raise UnknownNameError(f"no component '{component}' in '{name}': there are {', '.join(series.components)}")
 
     def _suggest(self, dotted):
+        if any(name in dotted for name in self._by_ending if "." in name) and set(dotted) & set("()+-*"):
+            return "; for a formula of outputs define a signal in the deck, and draw its value"
         pieces = self._pieces(dotted) or self._pieces(_split(dotted, 1)[0])
         if pieces:
             return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * instead of the number for all"
