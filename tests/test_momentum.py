@@ -26,8 +26,9 @@ FALLING = {
 def test_a_thrown_bar_has_the_momentum_of_a_rigid_one(tmp_path):
     """Closed forms: m = rho A L, p = m (v_0 + g t), L about the centre = m (L^2/12 + r^2/4) omega."""
     path = tmp_path / "bar.h5"
-    mecano.run(FALLING, path, quiet=True).close()
-    found = mecano.momentum(FALLING, path, about=(1.0, 0.0, 0.0))
+    with mecano.run(FALLING, path, quiet=True) as results:
+        found = mecano.momentum(FALLING, results, about=(1.0, 0.0, 0.0))
+    np.testing.assert_array_equal(mecano.momentum(FALLING, path, about=(1.0, 0.0, 0.0)).angular, found.angular)
     mass = 8000.0 * np.pi * 1e-4 * 2.0
     inertia = mass * (2.0**2 / 12.0 + 0.01**2 / 4.0)
     t = found.time

@@ -18,8 +18,8 @@ def momentum(
     Parameters
     ----------
     deck : str, Path, Deck or dict
-    results : str or Path
-        Results file of a run of this deck.
+    results : Results, str or Path
+        Results of a run of this deck, or their file.
     about : sequence of float
         Inertial point to which the angular momentum refers [m].
     set : dict
@@ -38,7 +38,7 @@ def momentum(
     Examples
     --------
     >>> run = mecano.run("pendulum.yaml", quiet=True, set={"time.end": 0.5})
-    >>> found = mecano.momentum("pendulum.yaml", run.path)
+    >>> found = mecano.momentum("pendulum.yaml", run)
     >>> found.mass, found.linear.shape
     (1.0, (51, 3))
     """

@@ -37,6 +37,10 @@ class Results(reader.Results):
     3.1416
     """
 
+    def __fspath__(self) -> str:
+        """Return the path of the file, so that results may stand for their file."""
+        return str(self.path)
+
     def to_xarray(self, *patterns: str) -> "xarray.Dataset":
         """Return outputs at the saved times as a Dataset: all, or those that match patterns such as "wheel.*".
 
