@@ -178,6 +178,10 @@ def test_similar_outputs_are_different_ones():
             "abs(wheel.radial_force)",
             "no output 'abs(wheel.radial_force)' in this file; for a formula of outputs define a signal in the deck",
         ),
+        (
+            "axle.acceleration.z",
+            "no output 'axle.acceleration.z' in this file: add an element {type: attitude, node: axle} to the deck",
+        ),
         ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
         ("axle", "no output 'axle' in this file, but axle.position, axle.rotation"),
     ],

@@ -17,9 +17,13 @@ from mecano.schema import Values
 
 Entries: TypeAlias = Mapping[tuple[str, str], tuple[Kind, Values]]  # (section, name) -> kind and deck values
 OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to read instead
-    "rotation": "read the angle of a joint, or add an element of the type 'attitude' with this node and read its yaw, "
-    "pitch or roll",
-    "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
+    **dict.fromkeys(
+        ("rotation", "angle", "yaw", "pitch", "roll"),
+        "read the angle of a joint, or add an element of the type 'attitude' with this node and read its yaw, pitch or "
+        "roll",
+    ),
+    "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant; an element "
+    "of the type 'attitude' has the acceleration as an output for plots",
 }
 VALUE = "value"
 WORK = ("work", "energy", "heat", "dissipated_energy", "given_energy")  # names that an integral may be given

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from mecano.results.layout import Series
     from mecano.results.recorded import Extreme
 
+OF_ATTITUDE = ("acceleration", "specific_force", "yaw", "pitch", "roll", "attitude")  # of a node, by an element
+
 
 class ByName:
     """Names of outputs, for classes with a ``_lookup`` and ``[name]``."""
@@ -122,6 +124,8 @@ class Lookup:
         node = dotted.removeprefix("nodes.").partition(".")[0]
         if ".displacement" in dotted and f"{node}.position" in self._by_ending:
             return f": nodes have positions only; write {node}.position"
+        if dotted.rpartition(f"{node}.")[2].partition(".")[0] in OF_ATTITUDE and f"{node}.position" in self._by_ending:
+            return f": add an element {{type: attitude, node: {node}}} to the deck, which has these outputs of a node"
         close = similar_outputs(dotted, self._by_path) or similar_outputs(_split(dotted, 1)[0], self._by_path)
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
 
