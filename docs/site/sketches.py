@@ -1,4 +1,4 @@
-"""Draw the sketches of the documentation: axes and signs of tyres, times of a digital controller.
+"""Draw the sketches of the documentation: signs of tyres and pulleys, times of a digital controller.
 
 ``python docs/site/sketches.py`` writes them to docs/images.
 """
@@ -22,6 +22,7 @@ def main():
     with plt.rc_context(SETTINGS):
         tyre_axes(IMAGES / "tyre_axes.svg")
         digital_controller(IMAGES / "digital_controller.svg")
+        pulley_signs(IMAGES / "pulley_signs.svg")
 
 
 def tyre_axes(target):
@@ -135,8 +136,54 @@ def digital_controller(target):
     _save(figure, target)
 
 
+def pulley_signs(target):
+    """Draw a rope over two pulleys, an open and a crossed belt, with the signs of their radii."""
+    figure, panels = plt.subplots(1, 3, figsize=(8.4, 2.4), width_ratios=[1.25, 1, 1])
+    rope = [((0.0, 0.0), 0.0, "a"), ((0.9, 1.6), -0.35, "p"), ((2.0, 0.6), 0.35, "q"), ((2.9, 2.0), 0.0, "b")]
+    _belt(panels[0], "nodes: [a, p, q, b]\nradii: [0, -r, r, 0]", rope, closed=False)
+    for axes, r, text in ((panels[1], 0.55, "[r, R]"), (panels[2], -0.55, "[r, -R]")):
+        _belt(axes, f"closed: true\nradii: {text}", [((0.0, 1.0), 0.3, "p"), ((1.9, 1.0), r, "q")], closed=True)
+    figure.tight_layout()
+    _save(figure, target)
+
+
+def _belt(axes, title, nodes, closed):
+    """Draw nodes (place, radius > 0 counter-clockwise, name) and the line around them."""
+    axes.set(aspect="equal")
+    axes.set_axis_off()
+    axes.set_title(title, fontsize=8, color=DARK, family="monospace")
+    pairs = list(zip(nodes, nodes[1:] + nodes[:1], strict=True))[: len(nodes) if closed else -1]
+    spans = [_tangent(np.array(c0), r0, np.array(c1), r1) for (c0, r0, _), (c1, r1, _) in pairs]
+    for begin, end in spans:
+        axes.plot(*np.transpose([begin, end]), color=MOTION, lw=1.5)
+    middle = 0.5 * (spans[0][0] + spans[0][1])
+    _arrow(axes, middle - 0.02 * (spans[0][1] - spans[0][0]), middle, MOTION)
+    arrivals = [spans[-1][1] if closed else None, *(end for _, end in spans)]
+    for i, (centre, r, name) in enumerate(nodes):
+        axes.plot(*centre, "o", ms=3, color=DARK)
+        axes.text(centre[0] + 0.06, centre[1] + 0.06, name, color=DARK)
+        if r:
+            axes.add_patch(Circle(centre, abs(r), fill=False, color=LIGHT))
+            angles = [math.atan2(*(point - centre)[::-1]) for point in (arrivals[i], spans[i][0])]
+            turn = (angles[1] - angles[0]) % (2.0 * math.pi) if r > 0 else -((angles[0] - angles[1]) % (2.0 * math.pi))
+            arc = angles[0] + turn * np.linspace(0.0, 1.0, 60)
+            axes.plot(centre[0] + abs(r) * np.cos(arc), centre[1] + abs(r) * np.sin(arc), color=MOTION, lw=1.5)
+    x, y = axes.get_xlim()[0], axes.get_ylim()[1]
+    axes.plot(x, y, "o", ms=7, mfc="none", color=DARK)
+    axes.plot(x, y, "o", ms=2, color=DARK)
+    axes.text(x + 0.15, y, "axis", color=DARK, va="center")
+
+
+def _tangent(c0, r0, c1, r1):
+    """Return both ends of the line that leaves one circle and reaches another; radii > 0: counter-clockwise."""
+    x, y = c1 - c0
+    angle = math.atan2(y, x) + math.asin((r0 - r1) / math.hypot(x, y))
+    right = np.array([math.sin(angle), -math.cos(angle)])
+    return c0 + r0 * right, c1 + r1 * right
+
+
 def _save(figure, target):
-    figure.savefig(target, metadata={"Date": None})
+    figure.savefig(target, metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
 
 
