@@ -114,9 +114,10 @@ def add_columns(b, s, first, lag):
         return
     n, data_out, size = b.n_local, floats(s.data, s.n_data), 1 + LANES
     f_1, entries = floats(b.seeded + 3 * SIZE * n, (n, size)), integers(b.entries, (b.n, n, n))[b.element]
-    for j in range(first, min(first + LANES, n)):
-        for i in range(n):
-            data_out[entries[i, j]] += (lag if i >= n - b.n_multipliers else 1.0) * f_1[i, 1 + j - first]
+    for i in range(n):
+        factor, row = lag if i >= n - b.n_multipliers else 1.0, entries[i]
+        for j in range(first, min(first + LANES, n)):
+            data_out[row[j]] += factor * f_1[i, 1 + j - first]
 
 
 @kernel
