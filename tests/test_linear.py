@@ -7,9 +7,9 @@ import scipy.sparse.linalg as spla
 
 from mecano.solve.linear import factors
 from mecano.solve.linear.dense_front import NULL_PIVOT
-from mecano.solve.linear.ordering import Pattern, analyse
 from mecano.solve.linear.scaled_superlu import ScaledSuperLU
 from mecano.solve.linear.sparse import LinearSolver, multifrontal
+from mecano.solve.linear.symbolic_analysis import Pattern, analyse
 
 ACCURATE = 1e-13  # backward error
 

@@ -27,7 +27,7 @@ from mecano.model.halves import ONE, OTHER, halves
 from mecano.model.loop_code import codes_of
 from mecano.model.loops import residual
 from mecano.process.interrupt import Stopped
-from mecano.solve.linear.ordering import PIVOTS, SIZE
+from mecano.solve.linear.symbolic_analysis import PIVOTS, SIZE
 
 SMALL = 20  # unknowns from which on models are divided here
 DYNAMIC = {  # decks of many kinds, with events, wheels, contacts, signals, members, redundant constraints

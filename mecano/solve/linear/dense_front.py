@@ -13,7 +13,7 @@ from typing import NamedTuple
 from mecano.jit.entry import Indices, Vector
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, lanes
-from mecano.solve.linear.ordering import STRIP
+from mecano.solve.linear.symbolic_analysis import STRIP
 
 TILE_ROWS, TILE_COLUMNS = 64, 256  # part of a front updated at once, to stay in cache
 NULL_PIVOT = 1e-14  # of the largest value the diagonal has had

@@ -24,7 +24,7 @@ from mecano.solve.linear.multifrontal import (
     forward,
     refine,
 )
-from mecano.solve.linear.ordering import FIRST, PIVOTS, SIZE, padded
+from mecano.solve.linear.symbolic_analysis import FIRST, PIVOTS, SIZE, padded
 
 OWN = SIZES, ORDERED, WORK = range(3)  # rows (n + STRIP,) of a half: MAGNITUDE, PERMUTED and FRONT of multifrontal.py
 CURRENT = DATA, LENGTH, B, X = range(4)  # addresses of the current arrays, and the length of the first
@@ -136,7 +136,7 @@ class Parts:
     Parameters
     ----------
     analysis : Analysis
-        Of a pattern with parts (ordering.py): the halves, then the equations between them.
+        Of a pattern with parts (symbolic_analysis.py): the halves, then the equations between them.
     tolerance, lu :
         Those of the LinearSolver.
 

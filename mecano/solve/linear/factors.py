@@ -15,8 +15,8 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.model.loop_records import Pointers, fields
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.ordering import Pattern
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
+from mecano.solve.linear.symbolic_analysis import Pattern
 
 # Lengths, and addresses of arrays and functions; ``kept``: the factors are those of the multifrontal solver
 FACTORS = fields(

@@ -29,7 +29,7 @@ from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call
 from mecano.solve.linear.dense_front import Front, apply_strip, eliminate_block, part, stride_of, strips
-from mecano.solve.linear.ordering import (
+from mecano.solve.linear.symbolic_analysis import (
     BORDER,
     CONTRIBUTION,
     ELDER,
@@ -54,7 +54,7 @@ UNDERFLOW = 1e-290  # below it rounding is absolute
 
 
 class Factor(NamedTuple):
-    """A factorization: its pattern (Analysis of ordering.py), the values, and sizes and inverses of the pivots."""
+    """A factorization: its pattern (Analysis of symbolic_analysis.py), values, sizes and inverses of the pivots."""
 
     order: Indices
     fronts: Table

@@ -16,7 +16,7 @@ from mecano.solve.linear.multifrontal import (
     Factor,
     Substitution,
 )
-from mecano.solve.linear.ordering import Analysis, Pattern, analyse, padded
+from mecano.solve.linear.symbolic_analysis import Analysis, Pattern, analyse, padded
 
 if TYPE_CHECKING:
     from mecano.jit.entry import PackedCall

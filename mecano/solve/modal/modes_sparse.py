@@ -16,8 +16,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.errors import ConvergenceError
-from mecano.solve.linear.ordering import Pattern
 from mecano.solve.linear.sparse import LinearSolver
+from mecano.solve.linear.symbolic_analysis import Pattern
 from mecano.solve.modal.modes_dense import dense
 
 if TYPE_CHECKING:

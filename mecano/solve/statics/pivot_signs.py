@@ -12,7 +12,7 @@ from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Stability, StabilityTest, scaled
 
 if TYPE_CHECKING:
-    from mecano.solve.linear.ordering import Analysis
+    from mecano.solve.linear.symbolic_analysis import Analysis
 
 NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
 SHIFT = 1e-9  # of the mean stiffness: by which that of all directions is raised to find the softest

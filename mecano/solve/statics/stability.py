@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mecano.model.state import State
     from mecano.model.system import System
-    from mecano.solve.linear.ordering import Analysis
+    from mecano.solve.linear.symbolic_analysis import Analysis
     from mecano.solve.statics.pivot_signs import PivotSigns
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed

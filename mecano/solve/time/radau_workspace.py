@@ -12,7 +12,7 @@ from mecano.model.loops import observe
 from mecano.model.numbering import ROTATION
 from mecano.model.state import Instant, RadauHistory, State
 from mecano.solve.linear.factors import Factors
-from mecano.solve.linear.ordering import Pattern
+from mecano.solve.linear.symbolic_analysis import Pattern
 from mecano.solve.time.constrained_mass import ConstrainedMass
 from mecano.solve.time.radau_tableau import (
     COMPLEX,
