@@ -1,4 +1,4 @@
-"""Draw the sketches of the documentation: signs of tyres and pulleys, times of a digital controller.
+"""Draw the sketches of the documentation: signs of tyres and pulleys, times of a controller, the way of a step.
 
 ``python docs/site/sketches.py`` writes them to docs/images.
 """
@@ -23,6 +23,7 @@ def main():
         tyre_axes(IMAGES / "tyre_axes.svg")
         digital_controller(IMAGES / "digital_controller.svg")
         pulley_signs(IMAGES / "pulley_signs.svg")
+        step(IMAGES / "step.svg")
 
 
 def tyre_axes(target):
@@ -180,6 +181,48 @@ def _tangent(c0, r0, c1, r1):
     angle = math.atan2(y, x) + math.asin((r0 - r1) / math.hypot(x, y))
     right = np.array([math.sin(angle), -math.cos(angle)])
     return c0 + r0 * right, c1 + r1 * right
+
+
+def step(target):
+    """Draw how a step is tried, rejected, ended at an event, and accepted."""
+    figure, axes = plt.subplots(figsize=(8.4, 2.7))
+    axes.set(xlim=(0, 16.8), ylim=(0.2, 5.4), aspect="equal")
+    axes.set_axis_off()
+    row, low = 4.2, 1.1
+    boxes = [
+        (1.5, row, "state, history,\nstep size h", DARK),
+        (5.0, row, "trial: predict,\nNewton's iterations", DARK),
+        (8.8, row, "error within\nits share?", DARK),
+        (12.1, row, "an event\nin the step?", DARK),
+        (15.3, row, "accept it,\nplan the next h", DARK),
+        (6.9, low, "smaller h", MOTION),
+        (12.1, low, "locate: trials\nof other h", FORCE),
+        (1.5, low, "consistent restart:\nphases, impulses", FORCE),
+    ]
+    for x, y, text, color in boxes:
+        axes.text(x, y, text, ha="center", va="center", color=color, bbox={"fc": "white", "ec": color, "pad": 4.0})
+    for begin, end in (
+        ((2.75, row), (3.35, row)),
+        ((6.7, row), (7.65, row)),
+        ((9.95, row), (11.0, row)),
+        ((13.2, row), (13.9, row)),
+    ):
+        _arrow(axes, begin, end, DARK)
+    for x, text in ((10.45, "yes"), (13.55, "no")):
+        axes.text(x, row + 0.1, text, ha="center", va="bottom", color=DARK)
+    _arrow(axes, (8.4, row - 0.55), (7.3, low + 0.35), MOTION, "no", (8.05, 2.4))
+    _arrow(axes, (5.8, row - 0.55), (6.6, low + 0.35), MOTION, "not\nconverged", (4.75, 2.45))
+    axes.plot([6.1, 4.6], [low, low], color=MOTION, lw=1.3)
+    _arrow(axes, (4.6, low), (4.6, row - 0.55), MOTION)
+    _arrow(axes, (12.1, row - 0.55), (12.1, low + 0.55), FORCE, "yes", (12.2, 2.6))
+    axes.plot([10.9, 10.3, 10.3], [low, low, 0.4], color=FORCE, lw=1.3)
+    axes.plot([10.3, 1.5], [0.4, 0.4], color=FORCE, lw=1.3)
+    _arrow(axes, (1.5, 0.4), (1.5, low - 0.5), FORCE)
+    _arrow(axes, (1.5, low + 0.55), (1.5, row - 0.55), FORCE)
+    axes.plot([15.3, 15.3, 1.5], [row + 0.55, 5.2, 5.2], color=DARK, lw=1.3)
+    _arrow(axes, (1.5, 5.2), (1.5, row + 0.55), DARK)
+    figure.tight_layout()
+    _save(figure, target)
 
 
 def _save(figure, target):
