@@ -18,6 +18,7 @@ from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines, surface_outlines
 from mecano.post.curve_values import terms_of
 from mecano.post.ground import plane_of
+from mecano.post.lone_bodies import corners
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 if TYPE_CHECKING:
@@ -180,6 +181,9 @@ def _body(motion, name, d):
             nodes.append("")
     if not points:
         return []
+    if len(points) == 1 and (own := corners(motion, d)) is not None:
+        points += list(np.moveaxis(own, 1, 0))
+        nodes += [""] * own.shape[1]
     return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1), tuple(nodes))]
 
 

@@ -1,0 +1,55 @@
+"""Bodies that fly freely, such as spacecraft, as cuboids of their mass and inertia, which show their attitude."""
+
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mecano.deck.physics import rotations
+from mecano.maths.inertia import inertia_matrix
+
+if TYPE_CHECKING:
+    from mecano.post.shapes import AnyMotion
+    from mecano.schema import Values
+
+WITH_LINES = frozenset({"line", "cable", "spring", "belt", "beam", "superelement", "wheel", "wheel_on_body", "contact"})
+"""Shapes of elements beside which a body at their node is a dot."""
+LARGEST = 0.25  # half a side, over the size of the mechanism: inertias of little influence are often arbitrary
+THINNEST = 0.05  # side, over the longest one: a plane body is a plate
+
+
+def corners(motion: "AnyMotion", d: "Values") -> np.ndarray | None:
+    """Return the corners (instants, 8, 3) [m] of the uniform cuboid of a body with the mass and inertia of ``d``.
+
+    None if the body has no volume, or an element or joint shows how its node turns.
+    """
+    run, node = motion.run, d["node"]
+    if f"nodes/{node}/rotation" not in run.paths or node in _shown(run):
+        return None
+    moments, axes = np.linalg.eigh(inertia_matrix(d["inertia"]))
+    half = np.sqrt(np.maximum(1.5 * (moments.sum() - 2.0 * moments) / d["mass"], 0.0))
+    if not half.any():
+        return None
+    half = np.maximum(half, THINNEST * half.max()) * min(1.0, _largest(motion) / half.max())
+    (R,) = rotations(np.array([run.deck["nodes"][node]["orientation"]], float))
+    sides = [motion.turned(node, size * R @ axis) for size, axis in zip(half, axes.T, strict=True)]
+    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+    return motion.position(node)[:, None] + np.einsum("ks,sij->ikj", signs, np.array(sides))
+
+
+def _shown(run):
+    """Return the nodes of elements with lines, and of joints that hold a point."""
+    return {
+        node
+        for path, d in run.things.items()
+        if (run.display(d).support if path.startswith("joints/") else (run.display(d).shape or "line") in WITH_LINES)
+        for node in (*d.get("nodes", ()), d.get("node"))
+        if not path.startswith("loads/")
+    }
+
+
+def _largest(motion):
+    """Return the largest half side [m]: a part of the size of the mechanism at the first instant, if it has one."""
+    places = np.array([motion.position(node)[0] for node in motion.nodes])
+    size = np.linalg.norm(np.ptp(places, axis=0))
+    return LARGEST * size if size > 0.0 else np.inf
