@@ -19,6 +19,8 @@ creep, belt creep, belt slip, v belt, flat belt -> belt | a belt does not slip; 
     pulleys as its strain changes on them
 motorcycle, motorbike, weave, wobble, capsize -> transient_wheel rigid_wheel | `mecano modes --sweep` follows the modes
     over the speed; see docs/tyres.md
+crown, rounded tread, round tyre, tyre contour, toroidal tyre -> wheel transient_wheel flexible_wheel rigid_wheel |
+    'crown_radius' in the tyre law, or of the rigid_wheel
 drum -> belt wheel_on_body | a rope runs on a drum, or a wheel
 capstan, bollard, rope brake, band brake -> reeved_cable | a reeved_cable with 'friction'
 chain, chain drive, sprocket -> belt gear_pair coupler | a belt, a gear_pair with a 'ratio', or a coupler of the angles

@@ -10,8 +10,8 @@ of the centre over the ground, along its normal n at the contact C, and q, c of 
     slip velocity        v_C = (I - n n^T)(v + omega x (C - x))
 
 The variation of w is -n.(dx + dtheta x R_m c), as that of q is -n.(dtheta x c): the work of N n at C. The moment about
-the centre, R_m N c x n from the normal force, is the overturning moment of the geometry: about t it is -R_m N s with s
-of the camber, where a disc has -(h/q) N s. The moments of a slip law act about C. The contact rolls on a circle of the
+the centre, R_m N c x n from the normal force, is the overturning moment of the geometry: about t it is R_m N s with s
+of the camber, where a disc has (h/q) N s. The moments of a slip law act about C. The contact rolls on a circle of the
 radius R_m + (e - w) q about the axle: the effective rolling radius is that of an upright wheel less (e - w) (1 - q).
 """
 
