@@ -1,14 +1,17 @@
 """Tyres with a rounded tread: static inclined wheel in closed form, and the limit of the rigid torus."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from convergence import at_times
 from scipy.integrate import solve_ivp
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import least_squares, minimize, minimize_scalar
 from scipy.spatial.transform import Rotation
 from test_rigid_wheel import MASS, TORUS_TIMES, E, G, R, contact_of_torus, rates_of_torus
-from time_runs import RecordedRun, deck, input_deck
+from time_runs import RecordedRun, deck
 
+from mecano.constraints.carried_surface import contact_at_start
 from mecano.errors import DeckError
 
 STIFFNESS, LEAN = 2.0e3, 0.7  # N/m, rad
@@ -197,9 +200,26 @@ def test_a_leaning_tyre_of_a_file_rolls_on_a_smaller_radius():
     assert spin == pytest.approx(20.0 / (upright - (0.08 - w) * (1.0 - np.cos(LEAN))), rel=1e-6)
 
 
-def test_crowns_that_are_refused():
-    """One as large as the wheel, and one on a drum."""
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_rounded_treads_on_a_drum(side):
+    """Depth in a drum, outside and inside, by a search along the middle circle for the point nearest to its surface."""
+    rng, main, drum = np.random.default_rng(5), np.array([0.0, 0.0, 1.0]), 2.0
+    p = SimpleNamespace(cylindrical=1.0, drum_radius=drum, drum_side=side, radius=R, crown=E)
+    for lean, heading in rng.uniform(-0.8, 0.8, (8, 2)):
+        axis, ahead, down = (Rotation.from_euler("Y", -np.pi / 2.0).apply(v) for v in frame(lean, heading))
+        x = np.array([-(drum + side * (R - 0.02)), 0.0, rng.normal()])
+        axis, ahead, down = side * axis, ahead, side * down  # frame() has the ground below: the drum is on that side
+
+        def gap(angle, x=x, down=down, ahead=ahead):
+            point = x + (R - E) * (np.cos(angle) * down + np.sin(angle) * ahead)
+            return side * (np.hypot(*point[:2]) - drum)
+
+        found = minimize_scalar(gap, bracket=(-0.3, 0.3), tol=1e-14)
+        g = contact_at_start(p, [None, (x, None)], axis, np.zeros(3), main)
+        assert R - g.r == pytest.approx(E - found.fun, abs=1e-10)
+        assert np.hypot(*(x + np.array(g.arm))[:2]) == pytest.approx(drum, rel=1e-12)
+
+
+def test_a_crown_is_smaller_than_the_wheel():
     with pytest.raises(DeckError, match=r"'crown_radius' must be less than the 'radius' of 0\.3225 m"):
         deck(STANDING.replace("LAW", FRICTION).replace(f"crown_radius: {E}", f"crown_radius: {R}"))
-    with pytest.raises(DeckError, match="not available for a wheel on the surface of a body"):
-        input_deck("tyre_drum", "tire_laws.rubber.crown_radius=0.05")

@@ -128,7 +128,7 @@ def test_the_contact_is_the_point_of_the_disc_nearest_to_the_drum(side, radius):
         axis = np.cross(away, rng.normal(size=3))
         axis = axis / np.linalg.norm(axis) + 0.4 * rng.uniform(-1, 1) * away
         axis /= np.linalg.norm(axis)
-        p = SimpleNamespace(cylindrical=1.0, drum_radius=radius, drum_side=side)
+        p = SimpleNamespace(cylindrical=1.0, drum_radius=radius, drum_side=side, crown=0.0)
         g = contact_at_start(p, [None, (x, None)], axis, np.zeros(3), main)
         C = x + np.array(g.arm)
         assert np.linalg.norm(C - (C @ main) * main) == pytest.approx(radius, rel=1e-12)

@@ -14,21 +14,24 @@ and C lies on the line of the cylinder along which n is normal: (C - P0).de/dphi
 
     f(phi) = X.de/dphi + (h s/q^2) a.de/dphi = 0.
 
-phi is zero for an upright wheel. The contact is single inside a drum if rho > r.
+phi is zero for an upright wheel. The contact is single inside a drum if rho > r. For a torus (torus.py) the radius of
+the middle circle stands for r = h/q.
 """
 
 from typing import NamedTuple
 
+from mecano.constraints.torus import torus_contact
 from mecano.constraints.touching import named_surface, surface_point
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, cos, implicit, sin, value
+from mecano.maths.dual import at_least, cos, implicit, sin, sqrt, value
 from mecano.maths.surface import LEAST_Q, disc_contact
 from mecano.maths.vector import Vec3, cross, dot, norm
 from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, positive
 
 CARRIED_RECORD = {
     "surface_axis": 3, "surface_origin": 3, "cylindrical": (), "drum_radius": (), "drum_side": (), "drum_curvature": (),
+    "crown": (),
 }  # fmt: skip
 SURFACES = {
     "plane": mapping(
@@ -63,48 +66,81 @@ class Foot(NamedTuple):
 
 
 @kernel
-def touch_carried(p, x, a, origin, main):
-    """Return the Contact of a disc (centre ``x`` [m], unit axis ``a``) with the surface of record ``p``.
-
-    ``origin`` [m] and ``main``, the normal or the axis, are those of CARRIED_RECORD in inertial axes.
-    """
-    X = x - origin
-    along = dot(main, X)
-    if p.cylindrical == 0.0:
-        return disc_contact(main, along, a)
-    away = X - along * main
-    distance = at_least(norm(away), LEAST_DISTANCE)
-    e = away / distance
-    ahead = cross(main, e)
-    phi = _angle(p, value(a), value(e), value(ahead), value(distance))
-    now = _foot(p, a, e, ahead, distance, phi)
-    found = _foot(p, a, e, ahead, distance, implicit(phi, now.f, value(now.slope)))
-    return disc_contact(found.n, found.height, a)
+def _lever_of_disc(p, s, s1, q2, height, height1):
+    """Return r s/q [m] of a disc, which reaches to the ground, and its derivative by phi, from those of s and h."""
+    lever = height * s / q2
+    return lever, (height * s1 + height1 * s + 2.0 * lever * s * s1) / q2
 
 
 @kernel
-def _angle(p, a, e, ahead, distance):
-    """Return the angle [rad] from the direction ``e`` of the centre to the contact, by Newton's method."""
-    phi, step, i = 0.0, LONGEST, 0
-    while abs(step) > CONVERGED and i < ITERATIONS:
-        now = _foot(p, a, e, ahead, distance, phi)
-        step = max(-LONGEST, min(LONGEST, now.f / max(-now.slope, LEAST_SLOPE)))
-        phi, i = phi + step, i + 1
-    return phi
+def _lever_of_torus(p, s, s1, q2, height, height1):
+    """Return the same of the middle circle of a torus."""
+    middle, q = p.radius - p.crown, sqrt(q2)
+    return middle * s / q, middle * s1 / (q2 * q)
 
 
 @kernel
-def _foot(p, a, e, ahead, distance, phi):
-    """Return the Foot at the angle ``phi`` of a centre at the ``distance`` [m] along ``e`` from the axis."""
-    outward, tangent = cos(phi) * e + sin(phi) * ahead, cos(phi) * ahead - sin(phi) * e
-    n = p.drum_side * outward
-    height = p.drum_side * (distance * cos(phi) - p.drum_radius)
-    s, s1 = dot(n, a), p.drum_side * dot(tangent, a)
-    q2 = at_least(1.0 - s * s, LEAST_Q * LEAST_Q)
-    lever, across = height * s / q2, dot(tangent, a)
-    lever1 = (height * s1 - p.drum_side * distance * sin(phi) * s + 2.0 * lever * s * s1) / q2
-    f = lever * across - distance * sin(phi)
-    return Foot(f, lever1 * across - lever * dot(outward, a) - distance * cos(phi), n, height)
+def _contact_of_disc(p, n, height, a):
+    """Return the Contact of a disc with the tangent plane."""
+    return disc_contact(n, height, a)
+
+
+@kernel
+def _contact_of_torus(p, n, height, a):
+    """Return the Contact of a torus with the tangent plane."""
+    return torus_contact(p.radius, p.crown, n, height, a)
+
+
+def touching_by(lever_of, contact_of):
+    """Return the kernel that gives the Contact of a wheel with the surface of a body."""
+
+    @kernel
+    def touch_carried(p, x, a, origin, main):
+        """Return the Contact of a wheel (centre ``x`` [m], unit axis ``a``) with the surface of record ``p``.
+
+        ``origin`` [m] and ``main``, the normal or the axis, are those of CARRIED_RECORD in inertial axes.
+        """
+        X = x - origin
+        along = dot(main, X)
+        if p.cylindrical == 0.0:
+            return contact_of(p, main, along, a)
+        away = X - along * main
+        distance = at_least(norm(away), LEAST_DISTANCE)
+        e = away / distance
+        ahead = cross(main, e)
+        phi = angle(p, value(a), value(e), value(ahead), value(distance))
+        now = foot(p, a, e, ahead, distance, phi)
+        found = foot(p, a, e, ahead, distance, implicit(phi, now.f, value(now.slope)))
+        return contact_of(p, found.n, found.height, a)
+
+    @kernel
+    def angle(p, a, e, ahead, distance):
+        """Return the angle [rad] from the direction ``e`` of the centre to the contact, by Newton's method."""
+        phi, step, i = 0.0, LONGEST, 0
+        while abs(step) > CONVERGED and i < ITERATIONS:
+            now = foot(p, a, e, ahead, distance, phi)
+            step = max(-LONGEST, min(LONGEST, now.f / max(-now.slope, LEAST_SLOPE)))
+            phi, i = phi + step, i + 1
+        return phi
+
+    @kernel
+    def foot(p, a, e, ahead, distance, phi):
+        """Return the Foot at the angle ``phi`` of a centre at the ``distance`` [m] along ``e`` from the axis."""
+        outward, tangent = cos(phi) * e + sin(phi) * ahead, cos(phi) * ahead - sin(phi) * e
+        n = p.drum_side * outward
+        height = p.drum_side * (distance * cos(phi) - p.drum_radius)
+        s, s1 = dot(n, a), p.drum_side * dot(tangent, a)
+        q2 = at_least(1.0 - s * s, LEAST_Q * LEAST_Q)
+        across = dot(tangent, a)
+        lever, lever1 = lever_of(p, s, s1, q2, height, -p.drum_side * distance * sin(phi))
+        f = lever * across - distance * sin(phi)
+        return Foot(f, lever1 * across - lever * dot(outward, a) - distance * cos(phi), n, height)
+
+    return touch_carried
+
+
+touch_carried = touching_by(_lever_of_disc, _contact_of_disc)
+touch_carried_round = touching_by(_lever_of_torus, _contact_of_torus)
 
 
 def carried_record(d, nodes):
@@ -116,6 +152,7 @@ def carried_record(d, nodes):
         "surface_axis": R.T @ main, "surface_origin": R.T @ (place - x), "cylindrical": float(name == "cylinder"),
         "drum_radius": values.get("radius", 0.0), "drum_side": side,
         "drum_curvature": side / values["radius"] if name == "cylinder" else 0.0,
+        "crown": d["tire_law"].get("crown_radius") or 0.0,
     }  # fmt: skip
 
 
@@ -126,5 +163,6 @@ def place_at_start(d, nodes):
 
 
 def contact_at_start(p, nodes, axis, origin, main):
-    """Return the Contact at the start, ``p`` with CARRIED_RECORD; ``axis`` (3,) of the wheel, inertial."""
-    return touch_carried(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))
+    """Return the Contact at the start, ``p`` with CARRIED_RECORD, radius; ``axis`` (3,) of the wheel, inertial."""
+    touch = touch_carried_round if p.crown else touch_carried
+    return touch(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))

@@ -33,7 +33,7 @@ def start_warnings_on_body(d, nodes):
     """
     body, hub = nodes
     axis, places = hub.R @ hub.orientation.T @ unit(d["axis"]), [(node.x, node.R) for node in nodes]
-    record = SimpleNamespace(**carried_record(d, places))
+    record = SimpleNamespace(radius=d["tire_law"]["radius"], **carried_record(d, places))
     g = contact_at_start(record, places, axis, *place_at_start(d, places))
     above = g.r - d["tire_law"]["radius"]
     return [*_astray(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]

@@ -31,7 +31,7 @@ from mecano.schema import NUMBER, Field, not_negative
 
 CROWN = Field(
     "crown_radius", NUMBER, "m", "radius of a rounded tread, seen along the wheel; part of 'radius'; the radial force "
-    "acts along the normal of the ground: all wheels but wheel_on_body", 0.0, not_negative,
+    "acts along the normal of the ground", 0.0, not_negative,
 )  # fmt: skip
 
 
@@ -44,11 +44,6 @@ def crowned_law(law):
 def crown_of(d):
     """Return the radius [m] of the rounded tread of a wheel from its deck values, or 0."""
     return d["tire_law"].get("crown_radius") or 0.0
-
-
-def refuse_crown(d):
-    """Return an error for a kind of wheel whose tyre has no rounded tread."""
-    return ["'tire_law.crown_radius' is not available for a wheel on the surface of a body"] if crown_of(d) else []
 
 
 def tread_above(d, ground, x, axis):

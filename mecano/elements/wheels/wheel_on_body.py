@@ -30,14 +30,15 @@ from mecano.constraints.carried_surface import (
     contact_at_start,
     place_at_start,
     touch_carried,
+    touch_carried_round,
 )
-from mecano.constraints.ground import LEAST_Q, too_low
+from mecano.constraints.ground import LEAST_Q, check_crown, too_low
 from mecano.constraints.touching import check_one_surface, named_surface
-from mecano.constraints.tread import flat
+from mecano.constraints.tread import flat, rounded
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
-from mecano.elements.wheels.crown import refuse_crown
+from mecano.elements.wheels.crown import crown_of, with_crown
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import (
@@ -63,37 +64,52 @@ from mecano.schema import DIRECTION, NODE_PAIR, TIRE_LAW, Field
 BODY, TURN = 6, 9  # local unknowns of the first node; those of the hub come first, as in all wheels
 
 
-@kernel
-def _touch(p, at):
-    """Return the Contact, the axis of the wheel, and the arm from the first node to the contact [m]."""
-    R, x_a, x, axis = mat(at.R[1]), vec(at.q, BODY), vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-    g = touch_carried(p, x, axis, x_a + R @ vec(p.surface_origin, 0), R @ vec(p.surface_axis, 0))
-    return g, axis, x + g.arm - x_a
+def on_surface(touch, tread):
+    """Return the kernels that give the Rolling of a wheel, with the arm from the first node, and its event values."""
+
+    @kernel
+    def touching_at(p, at):
+        """Return the Contact, the axis of the wheel, and the arm from the first node to the contact [m]."""
+        R, x_a, x, axis = mat(at.R[1]), vec(at.q, BODY), vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
+        g = touch(p, x, axis, x_a + R @ vec(p.surface_origin, 0), R @ vec(p.surface_axis, 0))
+        return g, axis, x + g.arm - x_a
+
+    @kernel
+    def rolling(p, at, touching):
+        """Return the Rolling of the wheel and the arm from the first node to the contact [m]."""
+        g, axis, arm = touching_at(p, at)
+        R = mat(at.R[1])
+        omega = R @ vec(at.v, TURN)
+        v_g = vec(at.v, BODY) + cross(omega, arm)
+        rise = dot(g.n, v_g)
+        surface = Surface(constant(1.0, rise), v_g - rise * g.n, omega)
+        along = dot(directions(axis, g)[0], R @ vec(p.surface_axis, 0))
+        curvature = p.drum_curvature * (1.0 - along * along)
+        return rolling_on(p, at, touching, tread(p, g), axis, surface, rise, curvature), arm
+
+    @kernel
+    def event_values(p, at, g):
+        """Write w for the touch-down, -w for the lift-off [m]."""
+        contact, _, _ = touching_at(p, at)
+        g[0] = p.radius - contact.r
+        g[1] = contact.r - p.radius
+
+    return rolling, event_values
 
 
-@kernel
-def _rolling(p, at, touching):
-    """Return the Rolling of the wheel and the arm from the first node to the contact [m]."""
-    g, axis, arm = _touch(p, at)
-    R = mat(at.R[1])
-    omega = R @ vec(at.v, TURN)
-    v_g = vec(at.v, BODY) + cross(omega, arm)
-    rise = dot(g.n, v_g)
-    surface = Surface(constant(1.0, rise), v_g - rise * g.n, omega)
-    along = dot(directions(axis, g)[0], R @ vec(p.surface_axis, 0))
-    return rolling_on(p, at, touching, flat(p, g), axis, surface, rise, p.drum_curvature * (1.0 - along * along)), arm
+ON_FLAT, ON_ROUND = on_surface(touch_carried, flat), on_surface(touch_carried_round, rounded)
 
 
 def compiled(law):
-    """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip, seen = law.forces, law.slip, law.seen
+    """Return ``residual``, ``observe`` and ``event_values`` of a wheel with a SlipLaw."""
+    forces, slip, seen, (rolling, event_values) = law.forces, law.slip, law.seen, ON_ROUND if law.crowned else ON_FLAT
 
     @kernel
     def residual(p, at, f):
         """Add force and material moment of the wheel and of the body that carries it; see element_interface."""
         if at.phase == AIR:
             return
-        k, arm = _rolling(p, at, True)
+        k, arm = rolling(p, at, True)
         k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, k.slip)
         add_ground(f, at, k, ground)
@@ -104,26 +120,18 @@ def compiled(law):
     @kernel
     def observe(p, at, F, y, e):
         """Write outputs and energies."""
-        k, _ = _rolling(p, at, at.phase == CONTACT)
+        k, _ = rolling(p, at, at.phase == CONTACT)
         k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, k.slip)
         if put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e):
             e[3] = ground.given
 
-    return named(residual, observe)
-
-
-@kernel
-def event_values(p, at, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    contact, _, _ = _touch(p, at)
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
+    return named(residual, observe, event_values)
 
 
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
-    texts = check_one_surface(d) + refuse_enveloping(d) + refuse_crown(d)
+    texts = check_one_surface(d) + refuse_enveloping(d) + check_crown(d["tire_law"]["radius"], crown_of(d))
     return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
 
 
@@ -133,7 +141,7 @@ def _check_place(d, nodes):
     if name == "cylinder" and values["inside"] and values["radius"] <= law["radius"]:
         return [f"'cylinder.radius' must exceed the radius of the wheel inside it, {law['radius']:g} m"]
     axis = unit(d["axis"])
-    p = SimpleNamespace(**carried_record(d, nodes))
+    p = SimpleNamespace(radius=law["radius"], **carried_record(d, nodes))
     g = contact_at_start(p, nodes, axis, *place_at_start(d, nodes))
     if g.q < LEAST_Q:
         return ["the wheel lies flat: its axis is along the normal of the surface"]
@@ -151,7 +159,7 @@ def sample(rng):
     for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
         wheels += [(wheel, phase) for wheel, _, phase in law_samples(own, law)]
     found = [(*_on_body(rng, wheel, i), phase) for i, (wheel, phase) in enumerate(wheels)]
-    return [*found, with_rolling(found[1])]
+    return [*found, with_rolling(found[1]), *map(with_crown, (*found[:3], with_rolling(found[1])))]
 
 
 def _on_body(rng, wheel, number):
@@ -193,6 +201,6 @@ with_law = partial(
     ),
     outputs=OUTPUTS,
     start_warnings=start_warnings_on_body,
-    **named(prepare, check, event_values, sample),
+    **named(prepare, check, sample),
 )
 WHEEL_ON_BODY = by_slip_law(with_law, SLIP_LAWS["friction"])
