@@ -343,6 +343,40 @@ def test_a_nominal_load_outside_of_the_range_of_the_file_is_warned_of(tmp_path):
     assert with_file(tmp_path, ORIGINAL).warnings == ()
 
 
+PAIR = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {left: {position: [0, 0.7, 0.3]}, right: {position: [0, -0.7, 0.3]}}
+elements:
+  left_rim: {type: rigid_body, node: left, mass: 20, inertia: [0.5, 0.9, 0.5]}
+  right_rim: {type: rigid_body, node: right, mass: 20, inertia: [0.5, 0.9, 0.5]}
+  left: {type: wheel, node: left, axis: [0, 1, 0], tire_law: one, ground: road}
+  right: {type: wheel, node: right, axis: [0, 1, 0], tire_law: LAW, ground: road}
+tire_laws:
+  one: {magic_formula: {file: own.tir}}
+  other: {magic_formula: {file: own.tir, mirrored: true}}
+grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+time: {end: 1, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("law", "even", "warned"), [("one", False, True), ("other", False, False), ("one", True, False)]
+)
+def test_an_uneven_tyre_on_both_sides_is_warned_of(tmp_path, law, even, warned):
+    """With ply steer and conicity, not mirrored on the right; a file without them is the same on both sides."""
+    uneven = ("PHY1 ", "PVY1 ", "QHZ1 ", "QDZ6 ", "QSX1 ")
+    text = "\n".join(line for line in ORIGINAL.splitlines() if not (even and line.startswith(uneven)))
+    found = with_file(tmp_path, text, PAIR.replace("LAW", law)).warnings
+    said = [problem.message for problem in found if "ply steer" in problem.message]
+    assert len(said) == warned
+    for message in said:
+        assert message.startswith(
+            "tire law 'one': wheels on both sides use it, 'left' and 'right', and its file has ply"
+        )
+        assert "(PHY1 = 0.0025, PVY1 = 0.02, " in message and message.endswith("a law with 'mirrored: true'")
+
+
 def test_the_ranges_of_a_file_are_watched(tmp_path):
     law = with_file(tmp_path, ORIGINAL).values["tire_laws"]["car"]
     watched_outputs = {output: value for output, value, _ in MAGIC_FORMULA.limits(law)}

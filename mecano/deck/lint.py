@@ -176,6 +176,10 @@ def _joints(values, kinds):
         from mecano.deck.wheel_bearings import misplaced_bearings
 
         yield from misplaced_bearings(values, kinds)
+    if any(d.get("magic_formula") for d in values["tire_laws"].values()):
+        from mecano.deck.tyre_sides import one_sided_tyres
+
+        yield from one_sided_tyres(values, kinds)
     if any(d.get("latch") for d in values["joints"].values()):
         from mecano.deck.latches import latches_pushed_away
 
