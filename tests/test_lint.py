@@ -608,7 +608,14 @@ def test_a_law_that_pushes_away_from_the_latch(law, more, warned):
         ("{ramp: {start: 0, end: 0.4, from: 0, to: 1}}", "has a rate that jumps by -2.5 m/s at 0.4 s: a shock"),
         ("{table: {points: [[0, 0], [0.2, 0.5]]}}", "has a rate that jumps by -2.5 m/s at 0.2 s: a shock"),
         ("{table: {points: [[0, 0], [1, 0.5]]}}", ""),  # up to the end of the run
-        ("{table: {points: [[0, 0], [0.2, 0.5], [0.4, 0.5], [0.6, 0.8]], beyond: extend}}", ""),
+        (
+            "{table: {points: [[0, 0], [0.2, 0.5], [0.4, 0.5], [0.6, 0.8]], beyond: extend}}",
+            "is a table with the default interpolation, a monotone cubic, whose acceleration jumps at each point",
+        ),
+        (
+            "{table: {points: [[0, 0], [0.2, 0.5], [0.4, 0.5], [0.6, 0.8]], beyond: extend, interpolation: spline}}",
+            "",
+        ),
         ("{step: {time: 0.2, from: 0, to: 0.5, rise: 0}}", "jumps by 0.5 m at 0.2 s: no force moves"),
         ("{step: {time: 0.2, from: 0, to: 0.5, rise: 0.1}}", ""),
         ("0.1*time**2", ""),

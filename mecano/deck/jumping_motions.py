@@ -1,7 +1,8 @@
-"""Warnings of prescribed motions whose value or rate jumps in a run.
+"""Warnings of prescribed motions whose value, rate or second rate jumps in a run.
 
 A jump of the rate is a shock: the impulse that it takes is in no output, so the largest force or moment of the drive is
-too small. At a jump of the value it is infinite, and the motion depends on the steps.
+too small. At a jump of the value it is infinite, and the motion depends on the steps. A monotone cubic table has jumps
+of the acceleration at its points, and with it of the forces.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,6 +18,7 @@ from mecano.schema import MOTION, Values
 if TYPE_CHECKING:
     from mecano.deck.lint import LocatedWarning
 
+STRAIGHT = 2  # points of a table that is a straight line
 NEAR = 1e-9  # of a time, on both sides of which values and rates are compared
 
 
@@ -30,7 +32,7 @@ def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[Loca
     for name, d in values["joints"].items() if time else ():
         for path, unit, law in _motions(kinds[d["type"]].fields, d, ()):
             inner = np.array([t for t in breakpoints(law) if time["start"] < t < time["end"]])
-            if text := _described(law, inner, unit):
+            if text := _described(law, inner, unit) or _of_cubics(law):
                 yield ("joints", name, *path), f"{d['type']} '{name}': '{'.'.join(path)}' {text}"
 
 
@@ -51,6 +53,17 @@ def _described(law, places, unit):
             if found := _largest_jump(law, places, order):
                 return text(found[0], found[1], unit)
     return ""
+
+
+def _of_cubics(law):
+    """Return a text on a table of a law that is a monotone cubic; "" if there is none."""
+    cubics = [term for name, term in law if name == "table" and term["interpolation"] == "cubic"]
+    if not any(len(term["points"]) > STRAIGHT for term in cubics):
+        return ""
+    return (
+        "is a table with the default interpolation, a monotone cubic, whose acceleration jumps at each point, and with "
+        "it the forces, by a multiple of themselves; write 'interpolation: spline'"
+    )
 
 
 def _largest_jump(law, places, order):

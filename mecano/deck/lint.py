@@ -219,7 +219,7 @@ def _motions(values, kinds):
     """Yield (path, text) on prescribed motions that jump; most decks prescribe none, or smooth ones."""
     joints = values["joints"].values()
     laws = [law for d in joints for law in (*kinds[d["type"]].drives(d), *(d.get("driven") or {}).values())]
-    if any(breakpoints(law) for law in laws if isinstance(law, tuple)):
+    if any(breakpoints(law) or any(name == "table" for name, _ in law) for law in laws if isinstance(law, tuple)):
         from mecano.deck.jumping_motions import jumping_motions
 
         yield from jumping_motions(values, kinds)
