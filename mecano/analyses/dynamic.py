@@ -361,6 +361,10 @@ class Ongoing:
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
         warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases)
         warnings += untouched_ground_warnings(deck, sampler, extremes)
+        if any(ground["profile"] for ground in deck.values["grounds"].values()):
+            from mecano.analyses.unmet_bumps import unmet_bump_warnings  # few decks have a profile
+
+            warnings += unmet_bump_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
         length, mass = integrator.method.length, mass_of(integrator.system)
         warnings += energy_warnings(values, sampler, extremes, length, mass)
