@@ -79,6 +79,18 @@ def test_a_wheel_that_spins_against_its_rolling_is_warned_of(spin, warned):
     assert [expected in text for text in said] == [True] * warned
 
 
+@pytest.mark.parametrize(("height", "spin", "warned"), [(0.315, 0.0, 1), (0.315, 120.0, 0), (0.3225, 0.0, 0)])
+def test_a_loaded_wheel_that_does_not_spin_is_warned_of(height, spin, warned):
+    """7.5 mm deep in the ground at 60 m/s, where it rolls at 186 rad/s; a wheel that just touches may land."""
+    nodes = [f"nodes.{node}.position=[0, 0, {height}]" for node in ("fork", "hub")]
+    turning = f"[{{nodes: all, velocity: [60, 0, 0]}}, {{nodes: [hub], angular_velocity: [0, {spin}, 0]}}]"
+    said = warnings_of(prepare(input_deck("wheel_spin_up", *nodes, f"initial.velocities={turning}")))
+    expected = (
+        "it starts at 60 m/s on its tyre deformed by 7.5 mm, and spins at 0 rad/s: it slides until it is spun up to"
+    )
+    assert [expected in text for text in said] == [True] * warned
+
+
 def test_a_wheel_beside_its_bearing_or_without_one_is_warned_of():
     (said,) = warnings_of(prepare(input_deck("wheel_spin_up", "elements.tire.node=fork")))
     assert "lets node 'hub' spin, and nothing is on it: is the wheel meant to be there, not on 'fork'?" in said

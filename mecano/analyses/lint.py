@@ -239,7 +239,8 @@ def node_at_start(system: "System", s: "State", i: int, ahead: np.ndarray | floa
     """Return the NodeAtStart of the node ``i`` at the state ``s``; ``ahead`` (3,) is added to its velocity."""
     of = system.numbering
     x, r, R = slice(of.x[i], of.x[i] + 3), slice(of.r[i], of.r[i] + 3), s.R[of.rotation[i]]
-    motion = s.z[x], R, s.v[x] + ahead, R @ s.v[r]
+    w = R @ s.v[r] if of.r[i] < of.n_q and not np.any(ahead) else np.full(3, np.nan)
+    motion = s.z[x], R, s.v[x] + ahead, w
     return NodeAtStart(system.nodes[i].R, *motion, partial(_inertia, system, s, i), system.context.gravity)
 
 

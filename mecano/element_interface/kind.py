@@ -48,7 +48,7 @@ class NodeAtStart(NamedTuple):
     x: np.ndarray  # (3,) position [m]
     R: np.ndarray  # (3, 3) after the assembly
     v: np.ndarray  # (3,) velocity [m/s]
-    w: np.ndarray  # (3,) angular velocity, inertial [rad/s]
+    w: np.ndarray  # (3,) angular velocity, inertial [rad/s]; nan where it is held, or found later with steady running
     inertia: Callable  # () -> (3, 3) of all that is attached, material [kg m2]
     gravity: np.ndarray  # (3,) [m/s2] of the deck
 

@@ -13,6 +13,7 @@ from mecano.laws.probe import curve_at
 BACKWARD = 1.0  # m/s: slower motions have no direction of their own
 SIDEWARD = 5.0  # times the speed ahead or back: an angle of drift of 79 degrees
 DEEP = 0.2  # of the radius; tyres stand at 0.05 to 0.12
+LOADED = 0.005  # of the radius: a tyre that touches down is deformed less at the start
 PRESSING = 0.5  # of gravity, along the normal of the ground: less on slopes of more than 60 degrees
 
 
@@ -21,9 +22,11 @@ def start_warnings(d, nodes):
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
-    backward = () if ground.get("motion") else _astray(d, normal, axis, node.v) or _spinning(d, normal, axis, node)
-    deep = _deep(d, *tread_above(d, ground_of(d), node.x, axis))
-    return [*_falls_off(node.gravity, normal), *backward, *deep]
+    above = tread_above(d, ground_of(d), node.x, axis)
+    moving = []
+    if not ground.get("motion"):
+        moving = _astray(d, normal, axis, node.v) or _spinning(d, normal, axis, node, above[0])
+    return [*_falls_off(node.gravity, normal), *moving, *_deep(d, *above)]
 
 
 def start_warnings_on_body(d, nodes):
@@ -48,15 +51,22 @@ def _falls_off(gravity, normal):
         yield f"'gravity' {_vector(gravity)} hardly presses it onto {ground} another axis meant?"
 
 
-def _spinning(d, normal, axis, node):
-    """Return warnings about a wheel that rolls forward, and spins backward.
+def _spinning(d, normal, axis, node, gap):
+    """Return warnings about a wheel that rolls forward, and spins backward, or does not spin under its load.
 
-    Wheels that do not spin are those of an aircraft that lands.
+    Wheels that do not spin without load are those of an aircraft that lands. ``gap`` [m] is that below the rim.
     """
     along, spin = node.v @ unit(np.cross(axis, normal)), node.w @ axis
     rolling = along / d["tire_law"]["radius"]
-    if along < BACKWARD or spin > -0.5 * rolling:
+    if along < BACKWARD or not spin <= 0.5 * rolling:  # nan if the spin is not known yet
         return []
+    if spin > -0.5 * rolling:
+        text = (
+            f"it starts at {along:.4g} m/s on its tyre deformed by {-1e3 * gap:.4g} mm, and spins at {spin:.3g} rad/s: "
+            f"it slides until it is spun up to {rolling:.4g} rad/s; give its node this 'angular_velocity', or write "
+            "'initial: {steady: ...}'"
+        )
+        return [text] if LOADED < -gap / d["tire_law"]["radius"] <= DEEP else []
     return [
         f"it starts forward, at {along:.4g} m/s, but spins backward, at {-spin:.4g} rad/s about {_vector(-axis)}: "
         f"it rolls at {rolling:.4g} rad/s about {_vector(axis)}; is a sign wrong?"
