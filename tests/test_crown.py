@@ -138,22 +138,48 @@ ROLLING = f"""
 """
 
 
-def released(kind, share):
-    """A leaning torus on a stiff tyre of much grip, released in rolling, and the exact motion of the rigid one."""
+def started(kind, share):
+    """Text of ROLLING with the tyre on the ground, its axes, angular velocity, and the height of the rigid torus."""
     c, s = np.cos(0.4), np.sin(0.4)
     A, spin = np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]), np.array([0.1, 6.0, -1.5])
     velocity, height = -np.cross(spin, contact_of_torus(A[:, 1], spin)[0]), E + (R - E) * c
-    exact = solve_ivp(
-        rates_of_torus, (0.0, 1.0), np.concatenate([[0.0, 0.0, height], A.ravel(), spin]), t_eval=TORUS_TIMES,
-        rtol=1e-11, atol=1e-12,
-    ).y  # fmt: skip
     text = ROLLING.replace("HEIGHT", repr(float(height - MASS * G * share / 1.0e4))).replace("KIND", kind)
     for name, value in (("STIFFNESS", 1.0e4 / share), ("CREEP", share), ("LENGTH", 0.01 * share)):
         text = text.replace(name, repr(value))
     for name, vector in (("AXIS", A[:, 1]), ("VELOCITY", velocity), ("SPIN", spin)):
         text = text.replace(name, ", ".join(map(repr, vector.tolist())))
+    return text, A, spin, height
+
+
+def released(kind, share):
+    """A leaning torus on a stiff tyre of much grip, released in rolling, and the error to the exact rigid motion."""
+    text, A, spin, height = started(kind, share)
+    exact = solve_ivp(
+        rates_of_torus, (0.0, 1.0), np.concatenate([[0.0, 0.0, height], A.ravel(), spin]), t_eval=TORUS_TIMES,
+        rtol=1e-11, atol=1e-12,
+    ).y  # fmt: skip
     run = RecordedRun(deck(text))
     return run, at_times(run, run["nodes/centre/position"], TORUS_TIMES) - exact[:3].T
+
+
+def test_a_rigid_torus_rolls_over_a_bump_as_stiff_tyres_do(verify):
+    """Its constraints are other equations than the forces of a tyre, which differ from it by compliance and creep."""
+    bump = ", profile: {direction: [1, 0.3, 0], height: {bump: {start: 0.1, length: 1.5, height: 0.02}}}"
+    places = []
+    for kind, share in (("rigid_wheel", 1e-3), ("wheel", 1.0), ("wheel", 0.1)):
+        text = started("wheel", share)[0].replace("normal: [0, 0, 1]}", "normal: [0, 0, 1]}" + bump)
+        if kind == "rigid_wheel":
+            own = f"type: rigid_wheel, radius: {R}, crown_radius: {E},"
+            text = text.replace("type: wheel,", own).replace("tire_law: round, ", "")
+            text = text[: text.index("tire_laws:")] + text[text.index("grounds:") :]
+        run = RecordedRun(deck(text))
+        places.append(run["nodes/centre/position"][-1])
+        assert np.ptp(run["energy/balance"]) < 1e-5  # J of 11 J
+    rigid, soft, stiff = places
+    verify("Rolling", "rigid torus over a bump: centre after 1 s [m]", rigid, stiff, "stiff tyre", absolute=5e-4)
+    assert np.abs(soft - rigid).max() > 6.0 * np.abs(stiff - rigid).max()
+    level = released("wheel", 0.1)[0]["nodes/centre/position"][-1]
+    assert np.abs(rigid - level).max() > 0.03  # m, by the bump
 
 
 @pytest.mark.parametrize("kind", ["wheel", "flexible_wheel", "adhesive_wheel"])

@@ -162,19 +162,12 @@ def test_a_wheel_with_a_rounded_tread_rolls_as_a_torus(verify):
     assert np.ptp(run["energy/total"]) < 1e-5  # J of 11 J
 
 
-@pytest.mark.parametrize(
-    ("crown", "ground", "text"),
-    [
-        ("0.3225", "", "'crown_radius' must be less than the 'radius' of 0.3225 m"),
-        ("0.1", ", profile: {direction: [1, 0, 0], height: 0.1}", "needs a plane, without 'ground.profile'"),
-    ],
-)
-def test_crowns_that_are_refused(crown, ground, text):
+def test_a_crown_is_smaller_than_the_wheel():
     given = UPRIGHT.format(kind="rigid_wheel", v=1.0, w=1.0 / 0.3225).replace(
-        "0.3225, axis", f"0.3225, crown_radius: {crown}, axis"
+        "0.3225, axis", "0.3225, crown_radius: 0.3225, axis"
     )
-    with pytest.raises(DeckError, match=text):
-        deck(given.replace("normal: [0, 0, 1]}", "normal: [0, 0, 1]}" + ground))
+    with pytest.raises(DeckError, match=r"'crown_radius' must be less than the 'radius' of 0\.3225 m"):
+        deck(given)
 
 
 UPRIGHT = """

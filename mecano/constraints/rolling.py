@@ -5,9 +5,12 @@ lateral direction l = n x t, all at the contact C of surface.py, at any inclinat
 the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. They are inactive in the phase "air".
 """
 
-from mecano.constraints.ground import GROUND_RECORD, touch
+from dataclasses import replace
+
+from mecano.constraints.ground import GROUND_RECORD
 from mecano.constraints.no_slip import no_slip
 from mecano.constraints.rolling_radius import leaning_discs
+from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
@@ -17,12 +20,17 @@ RECORD = record(axis=3, radius=(), **GROUND_RECORD)
 ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s"))
 
 
-@kernel
-def _contact(p, at):
-    """Return the arm of the contact and the directions t and l."""
-    axis = mat(at.R[0]) @ vec(p.axis, 0)
-    g = touch(p, at.laws, vec(at.q, 0), axis)
-    return g.arm, directions(axis, g)
+def rolls_on(tread_on_ground):
+    """Return the functions of the constraint for a tread of tread.py."""
+
+    @kernel
+    def contact(p, at):
+        """Return the arm of the contact and the directions t and l."""
+        axis = mat(at.R[0]) @ vec(p.axis, 0)
+        g = tread_on_ground(p, at.laws, vec(at.q, 0), axis).g
+        return g.arm, directions(axis, g)
+
+    return no_slip(contact, len(ROWS))
 
 
 ROLLING = Kind(
@@ -32,6 +40,7 @@ ROLLING = Kind(
     layout=("x0", "R0"),
     multipliers=ROWS,
     phases=("contact", "air"),
-    **no_slip(_contact, len(ROWS)),
+    **rolls_on(flat_on_ground),
     sample=leaning_discs,
 )
+ROUND_ROLLING = replace(ROLLING, name="rolling_crowned", **rolls_on(rounded_on_ground))

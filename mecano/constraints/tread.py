@@ -1,13 +1,19 @@
 """The tread of a wheel over its ground: flat, a disc, or rounded, a torus."""
 
+from types import SimpleNamespace
 from typing import NamedTuple
 
-from mecano.constraints.ground import touch
+import numpy as np
+
+from mecano.constraints.ground import prepare_ground, rim_above, touch
 from mecano.constraints.torus import touch_torus
+from mecano.constraints.triads import unit
+from mecano.element_interface import Context
 from mecano.jit.kernel import kernel
+from mecano.laws.table import LawTable
 from mecano.maths.dual import constant
 from mecano.maths.surface import Contact
-from mecano.maths.vector import dot
+from mecano.maths.vector import Vec3, dot
 
 
 class Tread(NamedTuple):
@@ -41,3 +47,17 @@ def flat_on_ground(p, laws, x, a):
 def rounded_on_ground(p, laws, x, a):
     """Return the same of a torus."""
     return rounded(p, touch_torus(p, laws, x, a))
+
+
+def tread_above(ground, radius, crown, x, axis):
+    """Return the height [m] of a tread above the ``ground``, as its deformation is counted, and along the normal.
+
+    ``radius`` [m] includes the ``crown`` radius [m], 0 for a disc; centre ``x`` (3,) [m] and ``axis`` (3,) must have
+    passed ``check_axle``.
+    """
+    if not crown:
+        return rim_above(ground, radius, x, axis)
+    laws = LawTable()
+    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3)), crown))
+    g = touch_torus(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
+    return g.r - radius, g.r - radius

@@ -44,7 +44,7 @@ def disc_record(d, nodes, context):
     """Return the values of axis, radius and ground for the basic constraints."""
     crown = d.get("crown_radius", 0.0)
     ground = prepare_ground(d["ground"], context, crown)
-    return {"axis": carried_axis(d, nodes), "radius": d["radius"] - crown, **ground}
+    return {"axis": carried_axis(d, nodes), "radius": d["radius"], **ground}
 
 
 def check_touching(gap, along_normal, radius, otherwise=""):
@@ -71,18 +71,14 @@ class Wheel(NamedTuple):
     arm: tuple  # from the centre to the contact, or to the lowest point of the rim [m]
     spin: float  # angular velocity along the axis [rad/s]
     height: float  # of the centre over the ground, along the normal at the contact [m]
-    crown: float  # radius of the rounded tread of a rigid wheel [m], or 0
 
 
 @kernel
 def put_contact(y, q, push, radius, wheel):
-    """Write CONTACT_OUTPUTS of a Wheel; ``push`` (3,) [N]: force of the ground along n, t, l; loaded radius [m].
-
-    That of a rounded tread is the one of the middle circle.
-    """
+    """Write CONTACT_OUTPUTS of a Wheel; ``push`` (3,) [N]: force of the ground along n, t, l; loaded radius [m]."""
     g, (t, l) = wheel.g, directions(wheel.axis, wheel.g)
     y[0] = wheel.height
-    y[1] = radius + wheel.crown
+    y[1] = radius
     put(y, 2, push)
     put(y, 5, push[0] * g.n + (push[1] * t + push[2] * l))
     y[8] = wheel.spin

@@ -25,8 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
-from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
-from mecano.constraints.torus import touch_torus
+from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
+from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.crown import crown_of
@@ -69,13 +69,13 @@ def bound_of(p, at):
         return Bound(B, constant(1.0, B), constant(0.0, B))
     R = mat(at.R[1])
     axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, SPIN)
-    g = touch(p, at.laws, vec(at.q, POSITION), axis)
-    loaded, w1 = g.r, -dot(g.n, velocity + cross(omega, g.arm)) / g.q
+    k = flat_on_ground(p, at.laws, vec(at.q, POSITION), axis)
     if p.crown > 0.0:
-        tread = touch_torus(p, at.laws, vec(at.q, POSITION), axis)
-        loaded, w1 = tread.r, -dot(tread.n, velocity + cross(omega, tread.arm))
-    r, u = at_most(loaded, p.radius), speed_over_ground(g.n, velocity)
-    pressing = select(loaded < p.radius, radial_force(p, at.laws, p.radius - loaded, w1) * r, 0.0)
+        k = rounded_on_ground(p, at.laws, vec(at.q, POSITION), axis)
+    g = k.g
+    r, u = at_most(g.r, p.radius), speed_over_ground(g.n, velocity)
+    w1 = -dot(g.n, velocity + cross(omega, g.arm)) / k.tilt
+    pressing = select(g.r < p.radius, radial_force(p, at.laws, p.radius - g.r, w1) * r, 0.0)
     pressing = select(p.bounded == BY_ADHESION, pressing, 1.0)
     slip = _slip_ratio(p, dot(directions(axis, g)[0], velocity), dot(omega, axis) * r)
     return Bound(curve(at.laws, p.bound, u) * pressing, _released(p, slip), slip)

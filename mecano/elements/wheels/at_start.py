@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
+from mecano.constraints.tread import tread_above
 from mecano.constraints.triads import unit
-from mecano.elements.wheels.crown import tread_above
+from mecano.elements.wheels.crown import crown_of
 from mecano.elements.wheels.enveloping import ground_of
 from mecano.laws.probe import curve_at
 
@@ -22,7 +23,7 @@ def start_warnings(d, nodes):
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
-    above = tread_above(d, ground_of(d), node.x, axis)
+    above = tread_above(ground_of(d), d["tire_law"]["radius"], crown_of(d), node.x, axis)
     moving = []
     if not ground.get("motion"):
         moving = _astray(d, normal, axis, node.v) or _spinning(d, normal, axis, node, above[0])

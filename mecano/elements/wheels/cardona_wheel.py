@@ -54,7 +54,7 @@ def observe(p, at, F, y, e):
     g = disc_contact(n, p.radius, axis)
     push = number(at.q[HEIGHT]), number(at.q[DRIVING]), number(at.q[LATERAL])
     spin = dot(Rn @ vec(at.v, 3), axis)
-    put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, spin, g.r * g.q, 0.0))
+    put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, spin, g.r * g.q))
 
 
 def prepare(d, nodes, context):

@@ -17,16 +17,7 @@ radius R_m + (e - w) q about the axle: the effective rolling radius is that of a
 
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 
-import numpy as np
-
-from mecano.constraints.ground import prepare_ground, rim_above
-from mecano.constraints.torus import touch_torus
-from mecano.constraints.triads import unit
-from mecano.element_interface import Context
-from mecano.laws.table import LawTable
-from mecano.maths.vector import Vec3
 from mecano.schema import NUMBER, Field, not_negative
 
 CROWN = Field(
@@ -44,20 +35,6 @@ def crowned_law(law):
 def crown_of(d):
     """Return the radius [m] of the rounded tread of a wheel from its deck values, or 0."""
     return d["tire_law"].get("crown_radius") or 0.0
-
-
-def tread_above(d, ground, x, axis):
-    """Return the height [m] of the tread above the ``ground``, as the deformation is counted, and along the normal.
-
-    ``d``: deck values of a wheel; centre ``x`` (3,) [m] and ``axis`` (3,) must have passed ``check_axle``.
-    """
-    crown, radius = crown_of(d), d["tire_law"]["radius"]
-    if not crown:
-        return rim_above(ground, radius, x, axis)
-    laws = LawTable()
-    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3)), crown))
-    g = touch_torus(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
-    return g.r - radius, g.r - radius
 
 
 def with_crown(sample):

@@ -59,7 +59,7 @@ def observe(p, at, F, y, e):
     along, pushed = roller_axis(p, axis, g), number(at.q[ALONG])
     push = number(at.q[RADIAL]) / g.q, pushed * dot(along, t), pushed * dot(along, l)
     spin = dot(Rn @ vec(at.v, 3), axis)
-    put_outputs(y, at.q, push, g.r, Wheel(g, axis, g.arm, spin, g.r * g.q, 0.0))
+    put_outputs(y, at.q, push, g.r, Wheel(g, axis, g.arm, spin, g.r * g.q))
 
 
 def prepare(d, nodes, context):

@@ -147,7 +147,7 @@ def put_patch(p, at, k, load, friction, y, e):
     lowest = vec(v, 0) + cross(k.omega, arm)
     v_C = select(contact, friction.v, lowest - dot(k.g.n, lowest) * k.g.n)
     grip = Grip(load.radial, friction.F, load.N, v_C, friction.lost, k.w1)
-    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), k.tread.height, 0.0), grip, y, e)
+    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a), k.tread.height), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:

@@ -17,8 +17,8 @@ leaves the ground when N falls to zero and lands again without rebound: at touch
 ones, in the norm of the kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
 
 With a ``crown_radius`` e the tread is rounded, as that of a motorcycle: the wheel is a torus whose middle circle has
-the radius ``radius`` - e. It rolls on a plane, C = x + r c - e n with r of that circle on the plane raised by e, and
-moves across its tread as it leans.
+the radius ``radius`` - e, and moves across its tread as it leans: C = x + (``radius`` - e) c - e n. It touches the
+ground at the end of the shortest way from that circle, of the length e (N is the first reaction).
 
 Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations jump too: the passage of the
 wheel over such a point is an event, so that no step extends across it, if there are no more than eight such points.
@@ -27,6 +27,8 @@ The node is that of the wheel body: its rotation spins with the wheel. The wheel
 """
 
 import math
+from dataclasses import replace
+from functools import cache
 
 from mecano.constraints.ground import (
     GROUND_RECORD,
@@ -39,14 +41,13 @@ from mecano.constraints.ground import (
     check_ground,
     end_conditions,
     on_the_slope,
-    rim_above,
     slope_below,
     too_low,
-    touch,
 )
 from mecano.constraints.of_coordinates import LEVEL_AXIS
-from mecano.constraints.rolling import ROLLING
-from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.constraints.rolling import ROLLING, ROUND_ROLLING
+from mecano.constraints.rolling_radius import ROLLING_RADIUS, ROUND_RADIUS
+from mecano.constraints.tread import flat_on_ground, rounded_on_ground, tread_above
 from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Event, Kind, Part, named, record
@@ -76,54 +77,55 @@ OPTIONS = (
 )
 
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
-    Rn = mat(at.R[0])
-    axis = Rn @ vec(p.axis, 0)
-    g = touch(p, at.laws, vec(at.q, 0), axis)
-    radius = select(at.phase == AIR, p.radius, g.r)
-    push = number(at.q[RADIAL]) / g.q, number(at.q[DRIVING]), number(at.q[LATERAL])
-    arm = radius * g.c - p.crown * g.n
-    spin, height = dot(Rn @ vec(at.v, 3), axis), g.r * g.q + p.crown
-    put_outputs(y, at.q, push, radius, Wheel(g, axis, arm, spin, height, p.crown))
+def compiled(tread_on_ground):
+    """Return ``observe``, ``event_values`` and ``commit`` of a wheel with a tread of tread.py."""
 
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
+        Rn = mat(at.R[0])
+        axis = Rn @ vec(p.axis, 0)
+        k = tread_on_ground(p, at.laws, vec(at.q, 0), axis)
+        radius = select(at.phase == AIR, p.radius, k.g.r)
+        push = number(at.q[RADIAL]) / k.tilt, number(at.q[DRIVING]), number(at.q[LATERAL])
+        arm = select(at.phase == AIR, k.lowest, k.g.arm)
+        put_outputs(y, at.q, push, radius, Wheel(k.g, axis, arm, dot(Rn @ vec(at.v, 3), axis), k.height))
 
-@kernel
-def _place(p, laws, q, R):
-    """Return the distance [m] of the contact along the profile."""
-    x = vec(q, 0)
-    return along_profile(p, x + touch(p, laws, x, mat(R[0]) @ vec(p.axis, 0)).arm)
+    @kernel
+    def place(p, laws, q, R):
+        """Return the distance [m] of the contact along the profile."""
+        x = vec(q, 0)
+        return along_profile(p, x + tread_on_ground(p, laws, x, mat(R[0]) @ vec(p.axis, 0)).g.arm)
 
+    @kernel
+    def event_values(p, at, g):
+        """Write depth of the rim below the ground [m], -F_r [N], distance of the contact beyond adjacent bends [m]."""
+        g[:] = -1.0
+        if at.phase == AIR:
+            g[0] = p.radius - tread_on_ground(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).g.r
+            return
+        if p.restitution >= 0.0:
+            g[1] = -at.q[RADIAL]
+        if p.bends[0] < math.inf:
+            there, passed = place(p, at.laws, at.q, at.R), int(at.m[0])
+            g[2] = there - p.bends[passed] if passed < MOST_BENDS else -1.0
+            if passed > 0:
+                g[2] = max(g[2], p.bends[passed - 1] - there)
+            g[2] -= BEHIND * p.radius
 
-@kernel
-def event_values(p, at, g):
-    """Write depth of the rim below the ground [m], -F_r [N], and distance of the contact beyond adjacent bends [m]."""
-    g[:] = -1.0
-    if at.phase == AIR:
-        g[0] = p.radius - touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).r
-        return
-    if p.restitution >= 0.0:
-        g[1] = -at.q[RADIAL]
-    if p.bends[0] < math.inf:
-        place, passed = _place(p, at.laws, at.q, at.R), int(at.m[0])
-        g[2] = place - p.bends[passed] if passed < MOST_BENDS else -1.0
-        if passed > 0:
-            g[2] = max(g[2], p.bends[passed - 1] - place)
-        g[2] -= BEHIND * p.radius
+    @kernel
+    def commit(p, at, m_out):
+        """Write the number of bends of the profile that the contact has passed."""
+        passed = int(at.m[0])
+        if p.bends[0] < math.inf:
+            there, margin = place(p, at.laws, at.q, at.R), COUNTED * BEHIND * p.radius
+            while passed < MOST_BENDS and there > p.bends[passed] + margin:
+                passed += 1
+            while passed > 0 and there < p.bends[passed - 1] - margin:
+                passed -= 1
+        m_out[0] = passed
 
-
-@kernel
-def commit(p, at, m_out):
-    """Write the number of bends of the profile that the contact has passed."""
-    passed = int(at.m[0])
-    if p.bends[0] < math.inf:
-        place, margin = _place(p, at.laws, at.q, at.R), COUNTED * BEHIND * p.radius
-        while passed < MOST_BENDS and place > p.bends[passed] + margin:
-            passed += 1
-        while passed > 0 and place < p.bends[passed - 1] - margin:
-            passed -= 1
-    m_out[0] = passed
+    return named(observe, event_values, commit)
 
 
 def prepare(d, nodes, context):
@@ -137,15 +139,15 @@ def prepare(d, nodes, context):
 
 
 def _rim(d, nodes):
-    """Return the height of the rim as ``rim_above``."""
-    crown = d["crown_radius"]
-    return rim_above(d["ground"], d["radius"] - crown, nodes[0][0], d["axis"], crown)
+    """Return the height of the rim as ``tread_above``."""
+    return tread_above(d["ground"], d["radius"], d["crown_radius"], nodes[0][0], d["axis"])
 
 
 def parts(d, nodes, context):
     """Return the Parts: contact, no slip, and a level axle if requested."""
     disc = disc_record(d, nodes, context)
-    found = [Part(ROLLING_RADIUS, (0,), disc), Part(ROLLING, (0,), disc)]
+    radius, rolling = (ROUND_RADIUS, ROUND_ROLLING) if d["crown_radius"] else (ROLLING_RADIUS, ROLLING)
+    found = [Part(radius, (0,), disc), Part(rolling, (0,), disc)]
     if d["axle"] == "level":
         found.append(Part(LEVEL_AXIS, (0,), {"axis": disc["axis"], "normal": disc["normal"]}))
     return found
@@ -155,8 +157,6 @@ def check(d, nodes):
     """Return errors for an unusable ground, a wheel that lies flat or starts below the ground."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
     texts += check_crown(d["radius"], d["crown_radius"])
-    if d["crown_radius"] and d["ground"].get("profile"):
-        texts.append("a rigid_wheel with a 'crown_radius' needs a plane, without 'ground.profile'")
     if not texts:
         texts = _check_rim(d, *_rim(d, nodes))
     if d["axle"] == "level" and d["unilateral"]:
@@ -165,7 +165,7 @@ def check(d, nodes):
 
 
 def _check_rim(d, gap, along_normal):
-    """Return errors for a rim that starts too far from the ground; ``gap`` [m] from ``rim_above``."""
+    """Return errors for a rim that starts too far from the ground; ``gap`` [m] from ``tread_above``."""
     if not d["unilateral"]:
         return check_touching(gap, along_normal, d["radius"], ", or let it leave the ground ('unilateral: true')")
     return [too_low(-gap, -along_normal)] if gap < -STANDING * d["radius"] else []
@@ -178,7 +178,8 @@ def sample(rng):
     found = []
     for height, axle, unilateral, phase, crown in (
         (None, "free", False, "contact", 1.5), (waves, "free", True, "contact", 0.0),
-        (None, "level", False, "contact", 0.0), (wave, "free", True, "air", 0.0),
+        (None, "level", False, "contact", 0.0), (wave, "free", True, "air", 0.0), (waves, "free", True, "contact", 1.5),
+        (wave, "free", True, "air", 1.5),
     ):  # fmt: skip
         ground, normal, level = slope_below(rng, height)
         values = {
@@ -187,6 +188,17 @@ def sample(rng):
         }  # fmt: skip
         found.append((values, on_the_slope(rng, normal), phase))
     return found
+
+
+@cache
+def round_kind():
+    """Return the Kind of a wheel with a rounded tread."""
+    return replace(RIGID_WHEEL, name="rigid_wheel_crowned", variant=None, **compiled(rounded_on_ground))
+
+
+def variant(d):
+    """Return the kind with or without a rounded tread."""
+    return round_kind() if d["crown_radius"] else RIGID_WHEEL
 
 
 RIGID_WHEEL = Kind(
@@ -206,5 +218,7 @@ RIGID_WHEEL = Kind(
     ),
     memory=("bends_passed",),
     at_start=lambda p: p["in_air"],
-    **named(prepare, parts, check, end_conditions, observe, event_values, commit, sample),
+    variant=variant,
+    **compiled(flat_on_ground),
+    **named(prepare, parts, check, end_conditions, sample),
 )

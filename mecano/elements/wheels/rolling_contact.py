@@ -181,7 +181,7 @@ def put_rolling(p, at, k, ground, y, e):
     """Write outputs and energies of a Rolling under the SlipForces ``ground``; return True if the ground pushes."""
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
     spin = dot(k.axis, k.slip.omega + k.surface.omega)
-    pushes = put_tire(p, at, Wheel(k.g, k.axis, k.arm, spin, k.height, 0.0), grip, y, e)
+    pushes = put_tire(p, at, Wheel(k.g, k.axis, k.arm, spin, k.height), grip, y, e)
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))

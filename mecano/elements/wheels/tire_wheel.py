@@ -6,10 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import check_axle, check_crown, check_ground, prepare_ground, slope_below, too_low
+from mecano.constraints.tread import tread_above
 from mecano.constraints.triads import carried_axis
 from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
 from mecano.element_interface import Event, Output
-from mecano.elements.wheels.crown import crown_of, tread_above
+from mecano.elements.wheels.crown import crown_of
 from mecano.elements.wheels.enveloping import check_enveloping, ground_of, prepare_paths
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
@@ -98,7 +99,7 @@ def check_wheel(d, nodes):
 
 def _check_deformation(d, ground, x, axis):
     """Return errors for an initial deformation outside the validity of the tyre law."""
-    gap, along_normal = tread_above(d, ground, x, axis)
+    gap, along_normal = tread_above(ground, d["tire_law"]["radius"], crown_of(d), x, axis)
     most, limit = deepest(d["tire_law"])
     return [too_low(-gap, -along_normal, limit)] if -gap > most else []
 
