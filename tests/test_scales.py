@@ -189,3 +189,19 @@ ELLIPSOIDS = """
       on_falling: {type: contact, nodes: [ground, falling], plane: *floor, ellipsoid: *shape, restitution: 0.5}
     time: {end: 0.2, step: 1.0e-3}
 """
+
+
+def test_wheels_share_the_weight_far_from_the_origin():
+    """Three rigid wheels would carry the vehicle; the shares of four are those at the origin to 2e-3.
+
+    Positions at 1 km are known to 1.1e-13 m, of which the compliances are 1000 times as much under the weight.
+    """
+    x, y, z = 1e3, -700.0, 300.0
+    nodes = input_deck("mecanum").values["nodes"]
+    at = {name: node["position"] for name, node in nodes.items()}
+    places = [f"nodes.{name}.position={[x + p[0], y + p[1], z + p[2]]}" for name, p in at.items()]
+    here = RecordedRun(input_deck("mecanum"))
+    there = RecordedRun(input_deck("mecanum", *places, f"grounds.floor.plane.point={[x, y, z]}"))
+    for wheel in ("front_left", "front_right", "rear_left", "rear_right"):
+        path = f"elements/{wheel}_wheel/normal_force"
+        np.testing.assert_allclose(there[path], here[path], rtol=2e-3)

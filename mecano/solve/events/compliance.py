@@ -16,7 +16,7 @@ from mecano.jit.entry import Indices, Vector, entry
 from mecano.maths.distinct import distinct
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.assembly import Assembly
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL, TRANSLATION
 from mecano.solve.linear.rounding import TINY
 
 if TYPE_CHECKING:
@@ -25,12 +25,14 @@ if TYPE_CHECKING:
     from mecano.solve.diagnostics.mobility import Analysis
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
+ROUNDED, SOFTEST = 1e3, 1e-9  # SOFTNESS is at least so many times the rounding of positions, but no more than this
 SHARING = 1e-3  # of the acting forces: error of redundant reactions by the residuals of their constraints
 SHARE_OF_PENALTY = 1e-7  # of the reactions, which the multipliers do not contain
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
 LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, without steps
 STIFFER = 1e3  # times as stiff as inertia: the vibration has a period of a fifth of a step, and is damped
 ROOM = 10.0  # times the forces to which redundant constraints have yielded: those of stiffer compliances
+EPSILON = 2.2e-16  # relative spacing of floating-point numbers
 TIMES = 20  # at which loads are evaluated, from the start to the end
 
 
@@ -50,7 +52,7 @@ class Compliance:
     released_entries: np.ndarray  # (nnz,) bool: P
     active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
     force: float  # [N] that displaces a length constraint by SOFTNESS of the length scale
-    yielded: tuple[float, float]  # time [s] and displacement, of the length scale, for which it was made stiffer
+    yielded: tuple[float, float, float]  # when it was made stiffer [s], for which displacement, by which factor
     stiffens: bool  # whether forces displace the constraints, instead of geometry
     values: np.ndarray  # (nnz,) in a step
     penalty_factors: np.ndarray  # (n_l,) of the System
@@ -66,16 +68,18 @@ class Compliance:
         """Indices (n,) of the redundant constraints, which are compliant."""
         return distinct(self.matrix.rows[~self.released_entries])
 
-    def stiffer(self, t: float, displacement: float) -> Self:
+    def stiffer(self, t: float, displacement: float, softness: float) -> Self:
         """Return compliances for the forces that displace the constraints at the time t [s].
 
-        ``displacement`` is relative to the length scale, or in rad. If the last such change, at the same time, has not
-        reduced it, the constraints do not fit one another: then the compliances are those before it, for good.
+        ``displacement``, and the ``softness`` at ROOM times these forces, are relative to the length scale, or in rad.
+        If the last such change, at the same time, has not reduced the displacement, the constraints do not fit one
+        another: then the compliances are those before it, for good.
         """
-        before, last = self.yielded
+        before, last, factor = self.yielded
         if t == before and displacement > 0.5 * last:
-            return self._for_forces(SOFTNESS / (ROOM * last)).final()
-        return replace(self._for_forces(ROOM * displacement / SOFTNESS), yielded=(t, displacement))
+            return self._for_forces(1.0 / factor).final()
+        factor = ROOM * displacement / softness
+        return replace(self._for_forces(factor), yielded=(t, displacement, factor))
 
     def final(self) -> Self:
         """Return these compliances, which no forces make stiffer."""
@@ -230,6 +234,7 @@ def compliance(
     of, force = system.numbering, _largest_force(system, s, length, end)
     acceleration = LEAST_ACCELERATION if not step else STIFFER * SOFTNESS * length / step**2
     force = max(force, before.force if before else acceleration * _mean_mass(system, s, length), TINY)
+    force *= SOFTNESS / softness(system, s, length)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force))
     parts = []
@@ -243,8 +248,14 @@ def compliance(
     is_released[analysis.released] = True
     places, released = _places(system, rows, matrix.columns), is_released[rows]
     own = matrix.values.copy(), system.penalty_factors, system.penalty_share
-    none = -np.inf, np.inf  # yielded
+    none = -np.inf, np.inf, 1.0  # yielded
     return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, none, True, *own)
+
+
+def softness(system: "System", s: "State", length: float) -> float:
+    """Return SOFTNESS, or, far from the origin, ROUNDED times the rounding of positions over the length scale."""
+    reach = np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0) / length
+    return min(max(SOFTNESS, ROUNDED * EPSILON * float(reach)), SOFTEST)
 
 
 def _largest_force(system, s, length, end):

@@ -13,6 +13,7 @@ from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
+from mecano.solve.events.compliance import softness
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
@@ -118,7 +119,7 @@ class TimeIntegrator:
             (begun, history), soft = self.method.start(s, h), self.method.compliance
             if soft is None or not (displacement := self.method.contradictions.displaced(begun)):
                 return begun, history
-            self.method.use(soft.stiffer(s.t, displacement))
+            self.method.use(soft.stiffer(s.t, displacement, softness(self.system, s, self.method.length)))
 
     def _close_pressed(self, run):
         """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
@@ -269,10 +270,11 @@ class TimeIntegrator:
 
     def _stiffened(self, run, displacement):
         """Return the run with stiffer compliances if forces displace redundant constraints in its next step."""
-        soft = run.compliance.stiffer(run.motion.t, displacement)
+        s = run.motion
+        soft = run.compliance.stiffer(s.t, displacement, softness(self.system, s, self.method.length))
         self.method.use(soft)
         try:
-            s, history = self.method.start(run.motion, run.h)
+            s, history = self.method.start(s, run.h)
         except AssemblyError:  # constraints contradict one another, which the next step refuses if it is too much
             soft = run.compliance.final()
             self.method.use(soft)
