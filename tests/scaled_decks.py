@@ -18,6 +18,7 @@ LAWS = ("law", "curve", "drive")
 INNER = ("either", "shorthand")  # a value of another type
 TABLES = {"ground": GROUND_FIELDS, "tire_law": tuple(TIRE_LAW_FIELDS)}
 KIND_TABLES = {"kind": KINDS, "wheel": KINDS, "joint": KINDS, "section": SHAPES}
+BLOCKS = ("matrix_6", "matrix")
 RESOLVED = {"laws", "grounds", "tire_laws", "sections", "parameters"}  # in the values that refer to them
 
 
@@ -49,11 +50,16 @@ class Units:
         if value is None or isinstance(value, (str, bool, int)):
             return value
         if name in LAWS and isinstance(value, tuple):
-            return tuple((term, self._mapping(_in_use(TERMS[term], field, None), found)) for term, found in value)
+            return tuple(
+                (term, self._mapping(_in_use(TERMS[term], field, found.get("exponent")), found))
+                for term, found in value
+            )
         if name == "coefficients":
             return [self._numbers(x, _of_power(field.unit, power)) for power, x in enumerate(value)]
         if name in INNER:
             return self._value(replace(field, type=options[0]), value)
+        if name in BLOCKS:
+            return self._blocks(value, field.unit.split(", "))
         if name == "list":
             return [self._value(replace(field, type=options[0]), item) for item in value]
         if name == "named":
@@ -65,6 +71,12 @@ class Units:
         if name in KIND_TABLES:
             return self._mapping(KIND_TABLES[name][value["type"]].fields, value)
         return self._numbers(value, field.unit) if name in NUMBERS else value
+
+    def _blocks(self, value, units):
+        """Return six numbers, or six rows of six, scaled: units of the blocks by lengths, by both, and by angles."""
+        sizes = np.array([self.of(unit) for unit in units])
+        either = np.repeat([0, 1], 3)
+        return (np.asarray(value) * sizes[2 * either if np.ndim(value) == 1 else either[:, None] + either]).tolist()
 
     def _numbers(self, value, unit):
         """Return a number, or nested lists of numbers, each of which may have a unit of its own, scaled."""
