@@ -16,7 +16,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, jumps
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.dual import chain, implicit, sqrt, value
-from mecano.maths.surface import Contact, disc_contact, foot_residual, profile_normal
+from mecano.maths.surface import disc_contact, foot_residual, profile_normal
 from mecano.maths.vector import Vec3, dot, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i", "crown": ()}
@@ -37,13 +37,13 @@ _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 def prepare_ground(ground, context, crown=0.0):
     """Return the values of GROUND_RECORD; without a profile the direction is zero and the law 0.
 
-    The plane is raised by the ``crown`` radius [m] of the tread: there the middle circle of a torus touches it.
+    ``crown`` [m]: radius of a rounded tread of the wheel, 0 for a disc.
     """
     plane, profile = ground["plane"], ground.get("profile")
     normal = unit(plane["normal"])
     direction = in_plane(profile["direction"], normal) if profile else np.zeros(3)
     return {
-        "point": np.array(plane["point"], float) + crown * normal,
+        "point": np.array(plane["point"], float),
         "normal": normal,
         "direction": unit(direction) if profile else direction,
         "height": context.laws.add(profile["height"]) if profile else 0,
@@ -102,15 +102,14 @@ def check_crown(radius, crown):
     return [] if crown < radius else [f"'crown_radius' must be less than the 'radius' of {radius:g} m"]
 
 
-def rim_above(ground, radius, x, axis, crown=0.0):
+def rim_above(ground, radius, x, axis):
     """Return the initial height [m] of a wheel's rim above the ground, in the wheel's plane and along the normal.
 
-    It is negative below the ground. ``radius`` [m] is that of the middle circle, ``crown`` that of the tread around it,
-    if this is rounded. ``ground``, centre ``x`` (3,) [m] and ``axis`` (3,) must have passed
+    It is negative below the ground. ``ground``, centre ``x`` (3,) [m] and ``axis`` (3,) must have passed
     ``check_axle``.
     """
     laws = LawTable()
-    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3)), crown))
+    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3))))
     g = touch(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
     return g.r - radius, (g.r - radius) * g.q
 
@@ -151,8 +150,7 @@ def touch(p, laws, x, a):
     """Return the Contact (see surface.py) of the ground with record ``p`` and a disc of centre ``x`` and unit axis
     ``a``.
 
-    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration. With a
-    crown, a torus rolls on the plane: its middle circle touches the raised one, and C lies below by the crown radius.
+    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
     """
     n0, d = vec(p.normal, 0), vec(p.direction, 0)
     X = x - vec(p.point, 0)
@@ -163,8 +161,7 @@ def touch(p, laws, x, a):
     residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
     delta = implicit(delta, residual, value(slope))
     H, H1, _ = profile_at(laws, p.height, centre + delta)
-    g = disc_contact(profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
-    return Contact(g.n, g.c, g.s, g.q, g.r, g.arm - p.crown * g.n)
+    return disc_contact(profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
 
 
 @kernel

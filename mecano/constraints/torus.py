@@ -46,11 +46,11 @@ def torus_contact(radius, crown, n, height, a):
 def touch_torus(p, laws, x, a):
     """Return the Contact of the ground with record ``p`` and a torus of centre ``x`` and unit axis ``a``.
 
-    ``p`` has GROUND_RECORD, with a point that is raised by the crown radius, and the ``radius`` [m] with the crown.
+    ``p`` has GROUND_RECORD and the ``radius`` [m] with the crown.
     """
     n0, d = vec(p.normal, 0), vec(p.direction, 0)
     X = x - vec(p.point, 0)
-    z, centre = dot(n0, X) + p.crown, dot(d, X)
+    z, centre = dot(n0, X), dot(d, X)
     delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
     # evaluate the root again as a function of z, a and the centre
     H, H1, H2 = profile_at(laws, p.height, centre + delta)

@@ -275,10 +275,10 @@ def flat_contact_with(p, e, a):
 
 @kernel
 def round_contact_with(p, e, a):
-    """Return the same for a rounded tread, by whose radius the plane is raised."""
+    """Return the same for a rounded tread."""
     length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
     n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
-    return torus_contact(p.radius, p.crown, n, (e.above + p.crown) / length, a)
+    return torus_contact(p.radius, p.crown, n, e.above / length, a)
 
 
 @kernel
