@@ -16,9 +16,9 @@ With ``unilateral`` the wheel starts in the air if its rim is more than a thousa
 leaves the ground when N falls to zero and lands again without rebound: at touch-down the velocities jump to the nearest
 ones, in the norm of the kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
 
-With a ``crown_radius`` e the tread is rounded, as that of a motorcycle: the wheel is a torus whose middle circle has
-the radius ``radius`` - e, and moves across its tread as it leans: C = x + (``radius`` - e) c - e n. It touches the
-ground at the end of the shortest way from that circle, of the length e (N is the first reaction).
+With a ``crown_radius`` e the tread is rounded, as that of a motorcycle: the wheel is a torus, whose middle circle has
+the radius ``radius`` - e. Its contact, C = x + (``radius`` - e) c - e n, moves across the tread as it leans; the way
+from that circle to the ground, along n, has the length e, and the first reaction is N.
 
 Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations jump too: the passage of the
 wheel over such a point is an event, so that no step extends across it, if there are no more than eight such points.
