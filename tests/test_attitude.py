@@ -83,3 +83,10 @@ def test_an_accelerometer_at_rest_measures_the_force_that_carries_it():
 
 def test_signals_read_the_attitude_over_whole_turns(gimbal):
     np.testing.assert_allclose(gimbal["signals/heading/value"], 0.0, atol=1e-9)
+
+
+def test_a_small_difference_in_small_units_is_known_to_rounding():
+    """A heading that follows its drive, in nrad: the rounding of 12.6 rad is far above 1e-8 of the signal."""
+    run = RecordedRun(input_deck("gimbal", "signals.heading.value=1.0e9*(gyro.yaw - 6.3*time)"))
+    assert not run.integrator.cuts
+    np.testing.assert_allclose(run["signals/heading/value"], 0.0, rtol=0, atol=16 * 2.2e-16 * 12.6e9)

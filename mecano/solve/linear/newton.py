@@ -22,6 +22,7 @@ from mecano.errors import Failure
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, bind_state, residual, residual_loops, tangent_loops
+from mecano.model.numbering import ROTATION, SIGNAL, STATE, TRANSLATION
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, STALLS, TINY, at_rounding
@@ -199,6 +200,8 @@ def judge(w, report, before, signals):
     if iteration and report[INCREMENT] * min(reduction, 1.0) <= 1.0:  # the next correction would be within tolerance
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
         rounded = rounded and (w.renewed or reduction > SLOW)  # reactions converge with the residual of an old tangent
+        if rounded and signals > 1.0 and w.renewed and signals_at_rounding(w):
+            signals = 1.0
         stalls = w.renewed and reduction > STALLS and worst <= MOST_STALLED and report[INCREMENT] <= SHARE
         if worst <= 1.0 or stalls or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
@@ -218,6 +221,33 @@ def judge(w, report, before, signals):
         if max(forces, constraints) <= 1.0:
             return FINISH
     return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else CONTINUE
+
+
+@kernel
+def signals_at_rounding(w):
+    """Return whether residuals of signals are no larger than the rounding of what they read makes them.
+
+    A signal that is a small difference of large quantities, or a multiple of one, is known no better.
+    """
+    s, of, data = state_of(w, TRIAL), unknowns_of(w), floats(system_of(w)[0].data, w.nnz)
+    r, rows, columns = floats(w.residual, w.n_all), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    for i in range(w.n_q):
+        if of.kind[i] == SIGNAL or of.kind[i] == STATE:
+            terms = 0.0
+            for j in range(w.nnz):
+                if rows[j] == i:
+                    terms += abs(data[j]) * known_as(w, of.kind[columns[j]], s.z[columns[j]])
+            if abs(r[i]) > ROUNDING * terms:
+                return False
+    return True
+
+
+@kernel
+def known_as(w, kind, x):
+    """Return the magnitude of an unknown x that determines its rounding."""
+    if kind == TRANSLATION or kind == ROTATION:
+        return w.reach * (w.length if kind == TRANSLATION else 1.0)
+    return abs(x)
 
 
 @kernel
