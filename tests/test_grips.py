@@ -5,7 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.errors import DeckError
+from mecano.results.reader import open_results
 
 M_CHASER, M_TARGET, J_CHASER, J_TARGET = 600.0, 900.0, 300.0, 450.0
 ARM = np.array([-1.0, 0.3])  # [m] of the chaser from the target when the grip closes
@@ -122,3 +124,21 @@ def test_wrong_commands(command, message):
     with pytest.raises(DeckError) as error:
         deck(PASSING.replace("MORE", command))
     assert message in error.value.problems[0].message and error.value.problems[0].mark
+
+
+@pytest.mark.parametrize(
+    ("more", "unmet"),
+    [
+        ("close: {when: part.position.x > 5}", "'close: {when: part.position.x > 5}'"),
+        ("close: {when: part.position.x > -0.5}, release: {when: time > 3}", "'release: {when: time > 3}'"),
+        ("close: {when: part.position.x > -0.5}", ""),
+        ("close: {when: part.position.x > -0.5}, release: {when: hook.force.magnitude > 1e3}", ""),
+        ("while: part.position.x > 5", ""),
+    ],
+)
+def test_a_grip_that_waits_to_the_end_is_reported(more, unmet, tmp_path):
+    """Except for one that would open at a load of its own, which is a fuse, and one that opens and closes at will."""
+    run(deck(PASSING.replace("MORE", more)), tmp_path / "run.h5")
+    with open_results(tmp_path / "run.h5") as results:
+        found = [text for text in results.warnings if "did not become true" in text]
+    assert found == ([f"conditions that did not become true: grip 'hook', {unmet}"] if unmet else [])

@@ -393,7 +393,7 @@ class Ongoing:
 
 
 def _unmet_conditions(deck, system, phases):
-    if not any(event.command for batch in system.batches for event in batch.kind.events):
+    if not any(event.command or event.condition for batch in system.batches for event in batch.kind.events):
         return ()
     from mecano.analyses.unmet_conditions import unmet_condition_warnings  # few runs have conditions
 

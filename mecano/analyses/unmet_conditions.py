@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 MOST_CONDITIONS = 4  # named in a warning
 LOAD = r"\b{}\.(?:\w+\.)*(?:tension|\w*force\w*|\w*moment\w*|\w*torque\w*)\b"  # on the element of this name
+GRIPS = ("grip", "position_grip")  # kinds
+GRIP_WAITS = {"open": "close", "closed": "release"}  # {phase: command that ends it}
 
 
 def unmet_condition_warnings(deck: "Deck", system: "System", phases: "np.ndarray") -> Iterator[str]:
@@ -22,7 +24,12 @@ def unmet_condition_warnings(deck: "Deck", system: "System", phases: "np.ndarray
 
     Those on a load of the element itself are those of a fuse, which is meant to hold.
     """
-    found = dict.fromkeys(text for batch in system.batches for text in _unmet(deck, batch, phases[batch.phases]))
+    found = dict.fromkeys(
+        text
+        for batch in system.batches
+        for unmet in (_unmet, _unmet_grips)
+        for text in unmet(deck, batch, phases[batch.phases])
+    )
     if found:
         yield f"conditions that did not become true: {name_list(list(found), MOST_CONDITIONS, '; ')}"
 
@@ -41,3 +48,15 @@ def _unmet(deck, batch, phases):
                 if not re.search(LOAD.format(re.escape(name)), trigger["when"]):
                     place = f"{field}.{command}" if field else command
                     yield f"{title_of(values['type'], name)}, '{place}: {{when: {trigger['when']}}}'"
+
+
+def _unmet_grips(deck, batch, phases):
+    """Yield a text for each grip of a batch that waits to close, or to open; its events have no commands."""
+    if batch.kind.name not in GRIPS:
+        return
+    for (path, _), phase in zip(batch.paths, phases, strict=True):
+        name = path.partition("/")[2]
+        command = GRIP_WAITS.get(batch.kind.phases[phase])
+        trigger = command and deck.values["joints"][name][command]
+        if trigger and trigger["when"] and not re.search(LOAD.format(re.escape(name)), trigger["when"]):
+            yield f"{title_of('grip', name)}, '{command}: {{when: {trigger['when']}}}'"
