@@ -5,6 +5,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.prepare import mass_of, prepare, warnings_of
 from mecano.errors import DeckError
 
 N = 1.1e-3
@@ -73,3 +74,38 @@ BODY = """
 def test_wrong_orbits(more, message):
     with pytest.raises(DeckError, match=message):
         deck(BODY.replace("MORE", more))
+
+
+PAIR = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [100, 0, 0]}}}}
+    elements:
+      a: {{type: point_mass, node: a, mass: 10}}
+      b: {{type: rigid_body, node: b, mass: 20, inertia: [1, 1, 1], center_of_mass: [0, 0, 1]}}
+    loads:
+      a: {{type: gravity_gradient, node: a, mass: 10, rate: {N}, normal: [0, 0, 1], radial: [1, 0, 0]}}
+      b: {{type: gravity_gradient, node: b, mass: 20, inertia: [1, 1, 1], center_of_mass: [0, 0, 1],
+        rate: {N}, normal: [0, 0, 1], radial: [1, 0, 0]}}
+    time: {{end: 1, step: 0.1}}
+    """
+
+
+def test_the_mass_on_which_the_load_acts_is_not_counted_again():
+    prepared = prepare(deck(PAIR))
+    assert mass_of(prepared.system) == pytest.approx(30.0, rel=1e-12)
+    assert not [text for text in warnings_of(prepared) if "gravity" in text]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("gravity: none", "gravity: [0, 0, -9.81]", "'gravity' accelerates a model in orbit, which falls freely"),
+        ("mass: 10, rate", "mass: 1, rate", "'a': 'mass' is 1 kg, but what its node carries, 'a', has 10 kg"),
+        ("center_of_mass: [0, 0, 1],", "", "gravity_gradient 'b': 'center_of_mass' is not that of 'b', [0, 0, 1] m"),
+        ("gradient, node: a", "gradient, node: b", "point_mass 'a' has no gravity_gradient, as others have"),
+    ],
+)
+def test_loads_of_other_bodies_are_suspicious(old, new, message):
+    assert PAIR.count(old) == 1
+    assert [text for text in warnings_of(prepare(deck(PAIR.replace(old, new)))) if message in text]

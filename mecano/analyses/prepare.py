@@ -269,8 +269,9 @@ def model_facts(prepared: Prepared) -> dict[str, Any]:
 
 
 def mass_of(system: System) -> float:
-    """Return the total mass [kg] of all elements whose record has a field "mass"."""
-    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in (batch.p.dtype.names or ()))
+    """Return the total mass [kg] of all elements whose record has a field "mass"; a load acts on a mass of others."""
+    elements = (batch for batch in system.batches if batch.kind.section != "loads")
+    return sum(float(batch.p["mass"].sum()) for batch in elements if "mass" in (batch.p.dtype.names or ()))
 
 
 def _drives_in(deck, system, group):

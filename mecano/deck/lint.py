@@ -70,6 +70,7 @@ def suspicious(
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
         *_partly_moving(values, kinds), *_motions(values, kinds), *_bodies(values),
+        *_orbits(values),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
@@ -213,6 +214,14 @@ def _bodies(values):
         from mecano.deck.misplaced_bodies import misplaced_bodies
 
         yield from misplaced_bodies(values)
+
+
+def _orbits(values):
+    """Yield (path, text) on gravity gradients; few decks have any."""
+    if any(d["type"] == "gravity_gradient" for d in values["loads"].values()):
+        from mecano.deck.orbits import orbits
+
+        yield from orbits(values)
 
 
 def _motions(values, kinds):
