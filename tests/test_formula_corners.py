@@ -5,7 +5,7 @@ import pytest
 from time_runs import RecordedRun, deck
 
 from mecano.laws.formula import read_formula
-from mecano.laws.formula_corners import corners
+from mecano.laws.formula_corners import corners, crossings
 
 CART = """
     mecano: 1
@@ -68,3 +68,25 @@ def test_a_prescribed_step_is_the_step_of_a_law():
     np.testing.assert_allclose(both["joints/drive/displacement"], exact, rtol=0.0, atol=1e-12)
     force = 0.8 * (60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) * [[1.0], [-1.0 / 0.36]]).sum(axis=0)
     np.testing.assert_allclose(both["joints/drive/force"], force, rtol=0.0, atol=0.02 * np.abs(force).max())
+
+
+FIRST = np.arcsin(0.25) / np.pi
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"), [("3 - 2*time", [0.25, 1.25]), ("2*sin(pi*time)", [FIRST, 1.0 - FIRST]), ("time/9", [])]
+)
+def test_levels_that_a_formula_of_the_time_crosses(text, wanted):
+    """The level 2.5 is beyond them."""
+    found = crossings(read_formula(text).program, [2.5, 0.5], 0.0, 2.0)
+    np.testing.assert_allclose(found, wanted, rtol=4e-16)
+
+
+def test_steps_end_where_an_input_passes_a_corner_of_its_curve():
+    law = "{table: {points: [[0, 0], [1, 2], [2, 0]], interpolation: linear}}"
+    signals = f"signals: {{c: {{type: curve, input: 2.5 - time, law: {law}}}}}"
+    run = driven(
+        f"{signals}\n    loads: {{push: {{type: joint_force, joint: rail, value: c}}}}", method="method: radau"
+    )
+    assert all(np.abs(run.time - t).min() < 1e-12 for t in (0.5, 1.5))
+    assert run["joints/rail/velocity"][-1] == pytest.approx(0.5 * (1.0 + 0.75), rel=1e-12)

@@ -4,7 +4,7 @@ They are where the argument of abs vanishes, where both arguments of min or max 
 edge is 0 or 1. Only parts of a formula that depend on the time alone have them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -22,8 +22,20 @@ def corners(program: Program, start: float, end: float) -> list[float]:
     """
     if not WITH_CORNERS & {code for code, _ in program}:
         return []
+    return _between(_conditions(program), start, end)
+
+
+def crossings(program: Program, levels: Sequence[float], start: float, end: float) -> list[float]:
+    """Return the times [s], ascending, between ``start`` and ``end`` at which a program of the time crosses levels.
+
+    They are the first times at or above a level, or below it. None are returned of an oscillation, as of ``corners``.
+    """
+    return _between(((*program, (of.NUMBER, level), (of.SUBTRACT, 0.0)) for level in levels), start, end)
+
+
+def _between(programs, start, end):
     t = np.linspace(start, end, SAMPLES + 1)
-    times = np.unique(np.concatenate([*(_zeros(one, t) for one in _conditions(program)), np.zeros(0)]))
+    times = np.unique(np.concatenate([*(_zeros(one, t) for one in programs), np.zeros(0)]))
     return times[(times > start) & (times < end)].tolist()
 
 
@@ -40,7 +52,7 @@ def _conditions(program: Program) -> Iterator[Program]:
 
 
 def _zeros(program, t):
-    """Return the first times at which a program has changed its sign between samples t."""
+    """Return the first times at which a program has changed its sign between samples t; zero counts as positive."""
     y = values(program, t)
     changed = np.flatnonzero((y[:-1] != 0.0) & (y[:-1] * y[1:] <= 0.0))
     if len(changed) > MOST:
@@ -48,6 +60,6 @@ def _zeros(program, t):
     low, high, sense = t[changed], t[changed + 1], -np.sign(y[changed])
     for _ in range(HALVINGS if len(changed) else 0):
         middle = 0.5 * (low + high)
-        beyond = sense * values(program, middle) >= 0.0
+        beyond = (values(program, middle) >= 0.0) == (sense > 0.0)
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return high

@@ -4,14 +4,15 @@ r"""Curve: a law of its input, such as a table of commands over time, a characte
 
 ``slope`` is dc/du. With the input ``time`` it is the rate of a path, for example for a feedforward.
 
-With the input ``time``, or an increasing linear function of it such as ``20*time - 3``, the curve is a law of time:
-steps end at its breakpoints, and it may prescribe a motion. With any other input, its breakpoints are corners of the
-signal, like those of ``max`` and ``abs``, at which no step ends.
+With the input ``time``, or an increasing linear function of it such as ``20*time - 3``, the curve is a law of time,
+which may prescribe a motion. Steps end at its breakpoints, also with other inputs that depend on the time alone. With
+any other input, its breakpoints are corners of the signal, at which no step ends.
 """
 
 from mecano.constraints.along_coordinate.signal import OF_SLOPE, VALUE, signal_of_input
 from mecano.element_interface import Output, named
 from mecano.jit.kernel import kernel
+from mecano.laws.formula import read_formula
 from mecano.laws.probe import corners, places_of_jumps
 from mecano.laws.table import breakpoints, curve, curve_and_slope
 from mecano.laws.term import VALUE as VALUE_UNIT
@@ -37,8 +38,16 @@ def observe(p, at, F, y, e):
 
 
 def times(d, start, end):
-    """Return the breakpoints [s] of a law of time."""
-    return [t for t in breakpoints(d["law"]) if start < t < end] if d["input"].strip() == "time" else []
+    """Return the times [s] at which an input that depends on the time alone passes the breakpoints of the law."""
+    places, text = breakpoints(d["law"]), d["input"].strip()
+    if text == "time" or not places:
+        return [t for t in places if start < t < end]
+    formula = read_formula(text)
+    if formula.references or not formula.depends_on_time:
+        return []
+    from mecano.laws.formula_corners import crossings  # few runs need it
+
+    return crossings(formula.program, places, start, end)
 
 
 def sample(rng):
