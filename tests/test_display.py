@@ -78,5 +78,7 @@ def test_the_results_file_determines_how_its_kinds_are_drawn(drop, tmp_path):
 )
 def test_a_spring_without_force_is_a_gauge_and_not_drawn(law, drawn):
     points = {"a": np.zeros((1, 3)), "b": np.ones((1, 3))}
-    motion = SimpleNamespace(nodes=list(points), position=points.__getitem__, apart=lambda nodes, points: True)
+    motion = SimpleNamespace(
+        nodes=list(points), position=points.__getitem__, apart=lambda nodes, points: True, run=SimpleNamespace(deck={})
+    )
     assert bool(SHAPES["spring"](motion, "gauge", {"nodes": ["a", "b"], "law": law})) == drawn

@@ -696,7 +696,7 @@ class TestCommand:
                 "must be from 1 to 100000, got 200000",
             ),
             (["--output", "weight.acceleration.z", "--state-space", "a.npz"], "grows with the frequency"),
-            (["--output", "weight.position.z", "--state-space", "a.txt"], "ends with .npz or .mat"),
+            (["--output", "weight.position.z", "--state-space", "a.txt"], "must end with .npz or .mat"),
             (["--output", "weight.position.z", "-o", "a.csv"], "results are HDF5"),
         ],
     )

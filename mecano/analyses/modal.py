@@ -56,7 +56,7 @@ def modes(
         base = operating_point(deck, at, at_rest)
         prepared, system = base.prepared, base.prepared.system
         turning = angular_velocity_of(system, base.state, frame)
-        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.stiff_compliance)
         found = call_interruptibly(solve, lin, number, method)
         reported = [
             *base.warnings,

@@ -72,6 +72,12 @@ class Prepared:
         """Groups of redundant constraints at the state, with all joints involved; one Group for the same joints."""
         return by_same_joints(redundant_groups(self.system, self.state, self.length, self.analysis))
 
+    @cached_property
+    def stiff_compliance(self) -> Compliance | None:
+        """The compliance for analyses without steps, in which no forces make it stiffer."""
+        end = _end_of_loads(self.deck)
+        return compliance(self.system, self.state, self.length, self.analysis, end) if self.compliance else None
+
     def at(self, state: "State") -> "Prepared":
         """Return the same model at another state, whose phases may make other constraints redundant."""
         analysis, soft = _redundancy(self.deck, self.system, state, self.length)
@@ -110,9 +116,16 @@ def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepare
 def _redundancy(deck, system, state, length):
     """Return the Analysis of the constraints at a state, and the Compliance of the redundant ones, or None."""
     analysis, time, static = analyse(system, state, length), deck.values["time"], deck.values["static"]
+    in_statics = static and static["over"] == "time"
+    step = time["step"] if time and not in_statics else None
+    return analysis, compliance(system, state, length, analysis, _end_of_loads(deck), step)
+
+
+def _end_of_loads(deck):
+    """Return the end [s] of a run or of statics over the time; None without either."""
+    time, static = deck.values["time"], deck.values["static"]
     over = static if static and static["over"] == "time" else time
-    end, step = over["end"] if over else None, time["step"] if over and over is time else None
-    return analysis, compliance(system, state, length, analysis, end, step)
+    return over["end"] if over else None
 
 
 def _refuse_fixed(deck, system):

@@ -258,7 +258,7 @@ def plant_of(
 ) -> Plant:
     """Return the Plant of the operating point with its inputs and outputs, in axes that turn with ``turning`` (3,)."""
     prepared, system = base.prepared, base.prepared.system
-    lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+    lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.stiff_compliance)
     columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
     rows = [one.rows(system, base.state, turning) for one in outputs]
     R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(3)]

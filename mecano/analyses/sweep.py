@@ -141,7 +141,7 @@ class Case:
         base = operating_point(deck)
         prepared, system = base.prepared, base.prepared.system
         turning = angular_velocity_of(system, base.state, self.frame)
-        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.stiff_compliance)
         found = call_interruptibly(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, noticed(lin, slowest(found.values)))
