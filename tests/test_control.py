@@ -782,6 +782,28 @@ def test_a_turn_by_reaction_wheels_is_not_taken_for_unstable():
     np.testing.assert_allclose(np.abs(recorded["nodes/hub/rotation"][-1]), [1, 0, 0, 0], atol=1e-8)
 
 
+@pytest.mark.parametrize(("sign", "grows"), [("-", False), ("", True)])
+def test_a_wheel_that_spins_up_does_not_hide_a_wrong_sign(sign, grows):
+    """Of J s^2 = +-(k + d s) on the body; the wheel of 0.02 kg m2 begins with 40 rad/s2, beside which s^2 is small."""
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{bus: {{position: [0, 0, 0]}}, wheel: {{position: [0, 0, 0]}}}}
+    elements:
+      bus: {{type: rigid_body, node: bus, mass: 100, inertia: [50, 50, 50]}}
+      wheel: {{type: rigid_body, node: wheel, mass: 2, inertia: [0.01, 0.01, 0.02]}}
+      gyro: {{type: attitude, node: bus}}
+    joints: {{spin: {{type: hinge, nodes: [bus, wheel], axis: [0, 0, 1]}}}}
+    signals: {{torque: 8*(0.1 - gyro.yaw) - 30*gyro.yaw_rate}}
+    loads: {{motor: {{type: joint_moment, joint: spin, value: {sign}torque}}}}
+    time: {{end: 60, step: 10 ms}}
+    """
+    prepared = prepare(deck(text))
+    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    growth = np.roots([50.0, -30.0, -8.0]).max()
+    assert [f"by the factor e in {1.0 / growth:.3g} s" in text for text in found] == [True] * grows
+
+
 def test_bodies_that_attract_one_another_are_no_controller():
     """Their orbits are stable; the linearized attraction of bodies at rest would not be."""
     prepared = prepare(input_deck("two_bodies"))

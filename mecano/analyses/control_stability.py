@@ -21,6 +21,7 @@ DENSE = 100  # motions up to which all modes are computed before a run
 MOST, NEAREST = 5000, 20  # motions of larger models whose run failed; number of modes nearest to zero
 ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
 SAMPLED = 200  # motions up to which samples are examined
+UNCHANGED = 0.01  # relative change of an eigenvalue by the turns of the start that does not matter
 BEGINNING = "because of the signals, small motions about the start grow"  # of the warning
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
@@ -31,7 +32,8 @@ def instability_warnings(prepared: "Prepared", start: "RunState", most: int = DE
     Not reported are motions that grow by less than a factor of GROWTH in the run, those of models with more than
     ``most`` motions, or SAMPLED with samples, fast ones of models with more than DENSE motions, and motions about a
     moving state if no signal has a state, such as those of bodies that attract one another. Nor are motions slow beside
-    the accelerations of the start, which turn axes and reactions while such motions would grow. Values of delays count
+    the accelerations of the start, which turn axes and reactions while such motions would grow, unless they grow as
+    fast after these turns: a wheel that spins up turns no other axis than its own. Values of delays count
     as constant, and those of sampled signals where a model has delays, more than SAMPLED motions, or periods without a
     common multiple.
     """
@@ -51,8 +53,9 @@ def instability_warnings(prepared: "Prepared", start: "RunState", most: int = DE
         return
     fastest, period = _closed_growth(lin, samplers)
     grows = (fastest.real - max(_largest_growth(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
-    lasts = abs(fastest) ** 2 > _turning(prepared, start)
-    if fastest.real > lin.pace and grows > math.log(GROWTH) and lasts:
+    if not (fastest.real > lin.pace and grows > math.log(GROWTH)):
+        return
+    if abs(fastest) ** 2 > _turning(prepared, start) or _grows_after_turns(prepared, start, samplers, fastest):
         yield _grows(fastest, period)
 
 
@@ -139,6 +142,28 @@ def _turning(prepared: "Prepared", start: "RunState") -> float:
     system = prepared.system
     lengths = np.where(system.numbering.kind[: system.n_q] == ROTATION, 1.0, prepared.length)
     return float(np.abs(start.motion.a[: system.n_q] / lengths)[~system.signals].max(initial=0.0))
+
+
+def _grows_after_turns(prepared, start, samplers, fastest):
+    """Return whether an eigenvalue does not change if the accelerations of the start move the model, as it grows.
+
+    The time is that in which the motion grows by the factor e. Reactions are left out, which belong to the start.
+    """
+    from scipy.spatial.transform import Rotation
+
+    from mecano.solve.modal.linearize import linearize
+
+    system, moved = prepared.system, start.motion.unaccelerated()
+    way = 0.5 * start.motion.a / abs(fastest) ** 2
+    way[: system.n_q][system.signals] = 0.0
+    moved.z[: system.n_q] += np.where(system.numbering.kind[: system.n_q] == ROTATION, 0.0, way[: system.n_q])
+    moved.z[system.n_q : system.n_q + system.n_l] = 0.0
+    turns = way[system.numbering.rotation_dof[:, None] + np.arange(3)]
+    moved.R[:] = moved.R @ Rotation.from_rotvec(turns).as_matrix()
+    lin = linearize(system, moved, prepared.length, compliance=start.compliance)
+    if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
+        return False
+    return abs(_closed_growth(lin, samplers)[0] - fastest) < UNCHANGED * abs(fastest)
 
 
 def _largest_growth(lin: "Linearization") -> complex:
