@@ -38,6 +38,7 @@ ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
         "write a law, such as {table: ...}, as the value, or in a signal of the type 'curve' whose name stands in the "
         "formula",
     ),
+    **dict.fromkeys(("degrees", "radians"), "angles are in radians; multiply by 180/pi, or by pi/180"),
     **dict.fromkeys(("if", "where"), "a signal of the type 'switch' selects one of two formulas"),
     **dict.fromkeys(("dx", "dy", "dz", "dm"), "a position is written node.position.x, a distance is the length of a "
                     "'spring_damper'"),
@@ -52,6 +53,7 @@ ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
+PART = re.compile(r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b")  # rod.1
 WORD = re.compile(r"(?<![\w.$])[A-Za-z_]\w*")
 COMPARISON = re.compile(r"(>=|<=|>|<)")
 
@@ -109,12 +111,17 @@ def _cause(body):
     """Return a text on a formula that is not arithmetic."""
     if body.count("(") < body.count(")"):
         return "a bracket is closed that was not opened"
-    if re.search(r"\bif *\(.*:", body, re.IGNORECASE):
+    if re.search(r"\bif *\(", body, re.IGNORECASE):
         return f"it cannot be understood: {ELSEWHERE['if']}"
     if unit := UNIT.search(body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
     if word := next((match[0] for match in WORD.finditer(body) if keyword.iskeyword(match[0])), ""):
         return f"it cannot be understood at '{word}', which cannot be a name in formulas: choose another name"
+    if part := PART.search(body):
+        return (
+            f"it cannot be understood at '{part[0]}': formulas do not read nodes and elements of a mesh; end the "
+            "member at a node of its own and read that, or the reaction of a joint"
+        )
     return "it cannot be understood"
 
 
