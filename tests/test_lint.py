@@ -720,3 +720,25 @@ def test_angles_in_expressions_that_look_like_degrees(expression, angle):
         found = [one for one in deck(text).warnings if "more than a turn" in one.message]
         assert len(found) == bool(angle)
         assert not angle or (angle in found[0].message and str(found[0].mark) == f"test.yaml:{mark}")
+
+
+@pytest.mark.parametrize(
+    ("motion", "edge"),
+    [
+        ("30*step(time, 0, 1)", "30"),
+        ("1.5*step(time, 0, 0.4) - 60 * step(time, 0.5, 1)", "60"),
+        ("30*pi/180*step(time, 0, 1)", ""),
+        ("30*step(time, 0, 1)*pi/180", ""),
+        ("6.2*step(time, 0, 1)", ""),
+        ("0.1*30*step(time, 0, 1)", ""),
+    ],
+)
+def test_edges_of_angles_that_look_like_degrees(motion, edge):
+    text = (
+        "{mecano: 1, gravity: none, nodes: {a: {position: [0, 0, 0]}}, elements: {a: {type: rigid_body, node: a, "
+        "mass: 1, inertia: [1, 1, 1]}}, joints: {pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}, motor: {"
+        f"type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: '{motion}'}}}}, time: {{end: 1, step: 0.01}}}}"
+    )
+    found = [one.message for one in deck(text).warnings if "more than a turn" in one.message]
+    wanted = f"'value': the edge '{edge}*step(...)' is one of {edge} rad"
+    assert [wanted in text for text in found] == [True] * bool(edge)

@@ -6,6 +6,22 @@ from collections.abc import Callable
 
 CALL = re.compile(r"\b(?:sin|cos|tan)\(\s*[-+]?\s*(?:(\d+\.?\d*)|\$([A-Za-z_]\w*))\s*\)")
 
+EDGE = re.compile(r"(?<![\w.$*/])(\d+\.?\d*)\s*\*\s*step\(")
+
+
+def edge_in_degrees(formula: str) -> str:
+    """Return what is suspicious about the first edge of an angle of more than a turn, in whole or half numbers; or "".
+
+    A formula with pi converts its angles itself.
+    """
+    for edge in () if re.search(r"\bpi\b", formula) else EDGE.finditer(formula):
+        if float(edge[1]) > 2.0 * math.pi and (2.0 * float(edge[1])).is_integer():
+            return (
+                f"the edge '{edge[1]}*step(...)' is one of {edge[1]} rad, more than a turn; is this intended? Degrees "
+                f"are written as {edge[1]}*pi/180, or as a parameter with the unit deg"
+            )
+    return ""
+
 
 def meant_degrees(text: str, parameter: Callable[[str], float]) -> str:
     """Return what is suspicious about the first angle of more than a turn, in whole or half numbers, in a text; or "".

@@ -247,6 +247,18 @@ def _degrees(values, kinds):
                 if abs(angle) > 2.0 * math.pi and _is_half(angle):
                     text = f"{d['type']} '{name}': '{path}' {MEANT_DEGREES.format(angle)}"
                     yield (section, name, *path.split(".")), text
+            for path, text in _edges(kinds[d["type"]].fields, d):
+                yield (section, name, *path.split(".")), f"{d['type']} '{name}': '{path}': {text}"
+
+
+def _edges(fields, values):
+    """Yield (path, text) on edges in formulas of angles that look like degrees."""
+    for field, path, value in _leaves(fields, values):
+        if field.unit == "rad" and isinstance(value, str) and "step(" in value:
+            from mecano.deck.degrees_in_functions import edge_in_degrees
+
+            if text := edge_in_degrees(value):
+                yield path, text
 
 
 def _angles(fields, values):
