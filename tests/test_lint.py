@@ -737,7 +737,8 @@ def test_edges_of_angles_that_look_like_degrees(motion, edge):
     text = (
         "{mecano: 1, gravity: none, nodes: {a: {position: [0, 0, 0]}}, elements: {a: {type: rigid_body, node: a, "
         "mass: 1, inertia: [1, 1, 1]}}, joints: {pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}, motor: {"
-        f"type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: '{motion}'}}}}, time: {{end: 1, step: 0.01}}}}"
+        f"type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: '{motion}'}}}}, "
+        "time: {end: 1, step: 0.01}}"
     )
     found = [one.message for one in deck(text).warnings if "more than a turn" in one.message]
     wanted = f"'value': the edge '{edge}*step(...)' is one of {edge} rad"
