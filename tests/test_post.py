@@ -34,7 +34,7 @@ from mecano.post.overview import PLACES, overview
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
-from mecano.post.quantity import find, peak_of, time_of
+from mecano.post.quantity import Quantity, find, peak_of, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
@@ -137,6 +137,16 @@ def test_events_have_a_mark_for_each_element_or_for_all_at_the_same_times_or_for
     assert legend(*((0.1, e, "locks") for e in "bc"), (0.2, "b", "locks")) == ["b: locks", "c: locks"]
     assert legend(*((i / 50, f"e{i}", "locks") for i in range(20)), (0.2, "e1", "opens")) == ["locks", "opens"]
     assert legend(*((0.1, "e", f"event {i}") for i in range(14)))[-1] == "2 other events"
+
+
+def test_values_between_gaps_are_drawn_as_dots():
+    """A line alone would leave them out: the first value, the one at 3, and none of those that a line joins."""
+    y = Quantity("e/y", "N", "y", "time", np.arange(7.0), np.array([1.0, np.nan, np.nan, 4.0, np.nan, 6.0, 7.0]))
+    panel = Panel("y", (Curve(time_of(y), y, 0, "e"),))
+    ax, sheet = matplotlib.figure.Figure().subplots(), Sheet("s", "", (panel,))
+    draw_panel.draw_panel(ax, panel, CurveStyles(sheet), (), EventLegend(sheet, CurveStyles(sheet)))
+    dots = [line.get_xdata().tolist() for line in ax.lines if line.get_linestyle() == "None"]
+    assert dots == [[0.0, 3.0]]
 
 
 def marks_of(*events):

@@ -55,6 +55,9 @@ def draw_panel(
         if style["linestyle"] == "-":
             style.setdefault("linewidth", _width(curve, drawn[i + 1 :], spans))
         ax.plot(curve.x.values / x_factor, y, **style)
+        alone = _alone(y)
+        if alone.any() and not curve.measured:
+            ax.plot(curve.x.values[alone] / x_factor, y[alone], ".", color=style["color"], markersize=4.0, zorder=2.5)
         if curve.peak and not panel.logarithmic and (_misses_peak(curve) or len(drawn) <= MARKED):
             value, time = curve.peak
             ax.plot(time / x_factor, value / y_factor, "o", color=style["color"], markersize=3.5, zorder=3)
@@ -66,6 +69,12 @@ def draw_panel(
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
         draw_events(ax, legend.of(panel, events), x_factor, styles)
+
+
+def _alone(y):
+    """Return (n,) bool: values between two gaps, or between a gap and an end, through which no line passes."""
+    gap = np.concatenate([[True], ~np.isfinite(y), [True]])
+    return ~gap[1:-1] & gap[:-2] & gap[2:]
 
 
 def _all(panel, side):
