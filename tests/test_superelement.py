@@ -419,3 +419,23 @@ time: {{end: 0.01, step: 1.0e-3}}
     with open_results(tmp_path / "blade.h5") as results:
         np.testing.assert_allclose(results["blade.frame_spin"].values[0], [0, 0, rate], atol=1e-9)
         assert ("superelement 'blade': frame_spin.z reached" in results.reason) == reported
+
+
+ROUND = """
+mecano: 1
+gravity: none
+sections: {s: {type: circle, diameter: 20 mm, E: 70 GPa, nu: 0.3, density: 2700}}
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+elements: {boom: {type: beam, nodes: [a, b], section: s, mesh: 6}}
+time: {end: 1, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize(("number", "split"), [(1, True), (2, False), (3, True), (0, False), (None, False)])
+def test_a_cut_between_modes_of_one_frequency_is_reported(tmp_path, number, split):
+    """The first four modes of a clamped round bar are two pairs, of bending in both planes."""
+    text, result = reduce_part(
+        deck_of_bytes(ROUND.encode(), "round.yaml"), tmp_path / "boom.npz", nodes=["a", "b"], number=number
+    )
+    assert (f"(--modes {(number or 0) + 1})" in text) == split
+    assert np.isfinite(result.next_frequency) == bool(number)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mecano.deck.deck import Deck
 
 SHOWN = 5  # frequencies printed
+SAME = 1e-6  # relative difference of two frequencies that counts as none
 
 
 def reduce_part(
@@ -133,6 +134,11 @@ def text(path: Path, nodes: Sequence[str], result: Reduction) -> str:
     ]
     if kept:
         lines.append(boundary_held(result.frequencies))
+        if result.next_frequency <= (1.0 + SAME) * result.frequencies[-1]:
+            lines.append(
+                f"note             mode {kept + 1}, left out, has the frequency of mode {kept}: keep both "
+                f"(--modes {kept + 1}) or neither, otherwise a symmetric part loses its symmetry"
+            )
     return "\n".join(lines)
 
 

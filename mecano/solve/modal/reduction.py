@@ -44,6 +44,7 @@ class Reduction:
     inner: int  # number of inner motions of the part
     found: int  # number of modes of the part that have inertia; -1 if not all were computed
     mass: float  # [kg]
+    next_frequency: float  # of the first mode left out [Hz]; nan if there is none or it was not computed
 
 
 def reduce(system: "System", boundary: Sequence[str], number: int | None, length: float) -> Reduction:
@@ -57,7 +58,7 @@ def reduce(system: "System", boundary: Sequence[str], number: int | None, length
     M, C, K = _matrices(system, state, length)
     rest = np.setdiff1d(np.arange(system.n_q), own)
     Z = _inner_motions(K, rest, system.n_q)
-    T, frequencies, found = _basis(system, M, K, own, rest, Z, number)
+    T, frequencies, found, left_out = _basis(system, M, K, own, rest, Z, number)
     axes = system.nodes[nodes[0]].R
     turn = sp.block_diag([axes] * (2 * len(nodes)) + [sp.eye(len(frequencies))]).tocsr()
     T = turn.T.dot(T.T).T  # columns by coordinates in the axes of the superelement
@@ -75,7 +76,7 @@ def reduce(system: "System", boundary: Sequence[str], number: int | None, length
         if key in content:
             content[key] = content[key] * np.outer(scale, scale)
     content |= _interior(system, nodes, T * scale, axes)
-    return Reduction(content, frequencies, len(rest), found, mass)
+    return Reduction(content, frequencies, len(rest), found, mass, left_out)
 
 
 def _boundary(system, names):
@@ -119,19 +120,22 @@ def _inner_motions(K, rest, n_q):
 
 
 def _basis(system, M, K, own, rest, Z, number):
-    """Return T (n_q, n_b + m), the frequencies (m,) of the modes kept [Hz], and the number of modes or -1."""
+    """Return T (n_q, n_b + m), the frequencies (m,) of the modes kept [Hz], the number of modes or -1.
+
+    And the frequency of the first one left out [Hz], or nan.
+    """
     n_q = system.n_q
     K_ii, M_ii = K[rest][:, rest], M[rest][:, rest]
     if Z is not None:
         K_ii, M_ii = sp.csc_matrix(Z.T @ (K_ii @ Z)), sp.csc_matrix(Z.T @ (M_ii @ Z))
     solve = _factor(system, K_ii, rest, Z)
     static = _static(K, own, rest, n_q, Z, solve)
-    squares, shapes, found = _modes(K_ii, M_ii, number, solve)
+    squares, shapes, found, left_out = _modes(K_ii, M_ii, number, solve)
     shapes = shapes if Z is None else Z @ shapes
     T = np.zeros((n_q, len(own) + len(squares)))
     T[own, np.arange(len(own))] = 1.0
     T[rest, : len(own)], T[rest, len(own) :] = static, shapes
-    return T, np.sqrt(squares) / (2.0 * np.pi), found
+    return T, np.sqrt(squares) / (2.0 * np.pi), found, np.sqrt(left_out) / (2.0 * np.pi)
 
 
 def _factor(system, K_ii, rest, Z):
@@ -171,21 +175,22 @@ def _static(K, own, rest, n_q, Z, solve):
 
 
 def _modes(K, M, number, solve):
-    """Return omega^2 ascending (m,), shapes (n, m) of unit modal mass, and the number of modes or -1."""
+    """Return omega^2 ascending (m,), shapes (n, m) of unit modal mass, the number of modes or -1, the next omega^2."""
     n = K.shape[0]
     if number == 0 or n == 0:
-        return np.zeros(0), np.zeros((n, 0)), -1
+        return np.zeros(0), np.zeros((n, 0)), -1, np.nan
     if n > DENSE and number is not None and number < n // 4:
         operator = spla.LinearOperator((n, n), matvec=solve)
         start = np.random.default_rng(1).normal(size=n)
         values, vectors = spla.eigsh(sp.csc_matrix(K), number, sp.csc_matrix(M), sigma=0.0, OPinv=operator, v0=start)
         order = np.argsort(values)
-        return values[order], vectors[:, order], -1
+        return values[order], vectors[:, order], -1, np.nan
     inverse, vectors = la.eigh(M.toarray(), K.toarray())
     heavy = inverse > MASSLESS * inverse.max(initial=0.0)
-    order = np.argsort(-inverse[heavy])[:number]
-    values, vectors = inverse[heavy][order], vectors[:, heavy][:, order]
-    return 1.0 / values, vectors / np.sqrt(values), int(heavy.sum())
+    order = np.argsort(-inverse[heavy])
+    left_out = 1.0 / inverse[heavy][order[number]] if number is not None and number < len(order) else np.nan
+    values, vectors = inverse[heavy][order[:number]], vectors[:, heavy][:, order[:number]]
+    return 1.0 / values, vectors / np.sqrt(values), int(heavy.sum()), left_out
 
 
 def _symmetric(A):
