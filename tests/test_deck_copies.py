@@ -425,6 +425,17 @@ def test_wrong_includes(tmp_path, files, expected):
         assert text.startswith(start.format(path.parent))
 
 
+def test_what_is_given_twice_is_answered_with_the_way_to_replace_it(tmp_path):
+    path = write(tmp_path / "a", **{"laws.yaml": "laws: {more: 2}\ntime: {end: 1}"})
+    with pytest.raises(DeckError) as info:
+        read_deck(path, **FAKE)
+    hints = {problem.hint for problem in info.value.problems}
+    assert {
+        "a variant replaces it by 'set: {laws.more: VALUE}'",
+        "a variant changes it by 'set: {time.KEY: VALUE}'",
+    } <= hints
+
+
 def test_a_misspelt_include_is_answered_with_a_similar_file(tmp_path):
     path = write(tmp_path / "a", **{"parts/more.yaml": "include: legs.yml"})
     with pytest.raises(DeckError) as info:

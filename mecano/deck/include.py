@@ -109,9 +109,10 @@ class Inclusion:
             return
         first_key, first = self.sections[section]
         if section in self.named and type(node.value) is type(first.value) is dict:
-            self.sections[section] = (first_key, self._joined(first, node))
+            self.sections[section] = (first_key, self._joined(section, first, node))
         elif section != "mecano" or node.value != first.value:
-            self._refuse(key, f"{quoted(section)} is given twice; first at {first_key.mark}")
+            hint = "" if section == "mecano" else f"a variant changes it by 'set: {{{section}.KEY: VALUE}}'"
+            self._refuse(key, f"{quoted(section)} is given twice; first at {first_key.mark}", hint)
 
     def _set(self, node):
         if type(node.value) is dict:
@@ -119,10 +120,11 @@ class Inclusion:
         elif node.value is not None:
             self._refuse(node, "'set' must be a mapping of paths in the deck to values: {time.end: 2}")
 
-    def _joined(self, first, node):
+    def _joined(self, section, first, node):
         for name, (key, _) in node.value.items():
             if name in first.value:
-                self._refuse(key, f"{quoted(name)} is given twice; first at {first.value[name][0].mark}")
+                hint = f"a variant replaces it by 'set: {{{section}.{name}: VALUE}}'"
+                self._refuse(key, f"{quoted(name)} is given twice; first at {first.value[name][0].mark}", hint)
         return Node({**first.value, **node.value}, first.source, first.line, first.column)
 
     def _refuse(self, node, message, hint=""):
