@@ -66,7 +66,8 @@ BAD = """
     [
         ("{}", "'release' needs either 'time' or 'when'"),
         ("{time: 1, when: pin.angle > 1}", "'release' needs either 'time' or 'when'"),
-        ("{when: pin.angle}", "a condition compares two formulas by > or <"),
+        ("{when: pin.angle}", "a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'"),
+        ("{when: pin.angle > 1 and pin.rate < 0}", "of several, all are true if the smallest difference is above zero"),
         ("{when: pin.angel > 1}", "'angel' of 'pin' cannot be measured"),
         ("{time: 1}, latch: {angle: 1}", "'release' and 'latch' exclude one another"),
     ],

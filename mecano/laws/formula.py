@@ -53,6 +53,7 @@ ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
+TOGETHER = "of several, all are true if the smallest difference is above zero, 'min(a - b, c - d) > 0', one if 'max' is"
 PART = re.compile(r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b")  # rod.1
 WORD = re.compile(r"(?<![\w.$])[A-Za-z_]\w*")
 COMPARISON = re.compile(r"(>=|<=|>|<)")
@@ -132,7 +133,8 @@ def difference_of(condition):
     """
     parts = COMPARISON.split(condition)
     if len(parts) != 3:
-        raise FormulaError("a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'")
+        several = f"; {TOGETHER}" if len(parts) > 3 else ""
+        raise FormulaError(f"a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'{several}")
     left, sign, right = parts
     for part in (left, right):
         read_formula(part)
