@@ -26,6 +26,21 @@ def panel(tmp_path_factory):
     return path
 
 
+def test_a_run_that_ends_by_its_latch_has_the_same_margin(panel, tmp_path):
+    """Its last row holds the values after the lock, whose loss of energy does not resist."""
+    overrides = ("gravity=[0, -1, 0]", "output.every=1e-3", "time.until=hinge.latched > 0.5")
+    run(input_deck("panel_lock", *overrides), tmp_path / "ended.h5")
+    with open_results(tmp_path / "ended.h5") as results:
+        assert results["hinge.latched"].values[-1] == 1.0
+    found, known = (
+        [panel.curves[0].y.values for panel in deployment_sheet(open_runs([path])).panels]
+        for path in (tmp_path / "ended.h5", panel)
+    )
+    for values, wanted in zip(found, known, strict=True):
+        np.testing.assert_allclose(values[:-1], wanted[:-1], rtol=0, atol=1e-3)
+        assert values[-1] == pytest.approx(wanted[-1], abs=1e-3)
+
+
 def test_margin_is_torque_over_weight(panel):
     """2 (pi/2 - angle) N m of the spring against 0.5 cos(angle) N m of the weight: from 2 pi down to 4."""
     torque, margin = deployment_sheet(open_runs([panel])).panels

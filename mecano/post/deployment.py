@@ -32,6 +32,7 @@ ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
 LATCHING = 0.05  # of the way to the first lock
 LEAST = 1e-3  # of the largest torque: less resistance is ignored; of the work of motors: so is that of actuators
+LOCKED = 0.5  # value of the output 'latched' between 0 and 1
 TURNS = 0.01  # of the largest angle: motors that turn less are still held
 
 
@@ -87,7 +88,7 @@ class _Curves:
 def _torques(run, found):
     """Return mean angle (n,), torque, resisting torque and times at midpoints of intervals; None if nothing turns."""
     results = run.results
-    rows = results.time <= min((event.time for event in results.events if event.name == "locks"), default=np.inf)
+    rows = _before_locks(results)
     if not found or np.count_nonzero(rows) < 3:
         return None
     time = results.time[rows]
@@ -110,6 +111,18 @@ def _torques(run, found):
     torque, resisting = (np.diff(np.interp(at, time, work)) / np.diff(grid) for work in (given, spent))
     middle = 0.5 * (at[1:] + at[:-1])
     return 0.5 * (grid[1:] + grid[:-1]) / len(turning), torque, resisting, middle
+
+
+def _before_locks(results):
+    """Return (n,) bool: saved times up to the first lock, without one of that instant that holds the values after it.
+
+    Such a time ends a run whose ``until`` becomes true by the lock.
+    """
+    rows = results.time <= min((event.time for event in results.events if event.name == "locks"), default=np.inf)
+    for path in results.series:
+        if path.endswith("/latched"):
+            rows &= results.find(path).values < LOCKED
+    return rows
 
 
 def _given_by_actuators(run, rows):
