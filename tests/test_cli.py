@@ -526,6 +526,11 @@ class TestCatalogue:
         code, _, err = call("list", "lows")
         assert code == 2 and "there is no list of 'lows'; there are lists of elements; joints; loads" in err
 
+    @pytest.mark.parametrize("name", ["reduce", "post"])
+    def test_explain_of_a_command_leads_to_its_help(self, call, name):
+        code, out, err = call("explain", name)
+        assert (code, out) == (2, "") and f"'{name}' is a command: `mecano {name} --help` describes it" in err
+
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
     def test_explain_lists_all_fields_and_outputs(self, call, name):
         code, out, _ = call("explain", name)

@@ -65,8 +65,15 @@ def explain(name: tuple[str, ...]) -> None:
 
         return show(explain_study())
     from mecano.deck.catalogue import explain as text
+    from mecano.errors import UsageError
 
-    show(text(words).rstrip())
+    try:
+        show(text(words).rstrip())
+    except UsageError:
+        parent = click.get_current_context().parent
+        if parent is None or not isinstance(parent.command, click.Group) or words not in parent.command.commands:
+            raise
+        raise UsageError(f"'{words}' is a command: `mecano {words} --help` describes it") from None
 
 
 @click.command(short_help="Write the JSON Schema of decks, for editors.")
