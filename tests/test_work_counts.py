@@ -30,7 +30,7 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("andrews", "time.method=radau", "time.adaptive={tolerance: 1.0e-8}", "time.end=0.003"): (27, 53, 55),
 }
 
-COMPILED = {"pendulum": (31, 2070), "nose_gear_rigid": (48, 2842)}  # machine code objects, lines of their functions
+COMPILED = {"pendulum": (31, 2138), "nose_gear_rigid": (48, 2842)}  # machine code objects, lines of their functions
 
 
 SEVEN_MODULES = {  # end [s]: the same counts of a reflector, instants with events, instants with shocks
