@@ -1,5 +1,6 @@
 """Bodies that fly freely, such as spacecraft, as cuboids of their mass and inertia, which show their attitude."""
 
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -18,38 +19,47 @@ LARGEST = 0.25  # half a side, over the size of the mechanism: inertias of littl
 THINNEST = 0.05  # side, over the longest one: a plane body is a plate
 
 
-def corners(motion: "AnyMotion", d: "Values") -> np.ndarray | None:
-    """Return the corners (instants, 8, 3) [m] of the uniform cuboid of a body with the mass and inertia of ``d``.
+class LoneBodies:
+    """The bodies of a motion that nothing but a node shows."""
 
-    None if the body has no volume, or an element or joint shows how its node turns.
-    """
-    run, node = motion.run, d["node"]
-    if f"nodes/{node}/rotation" not in run.paths or node in _shown(run):
-        return None
-    moments, axes = np.linalg.eigh(inertia_matrix(d["inertia"]))
-    half = np.sqrt(np.maximum(1.5 * (moments.sum() - 2.0 * moments) / d["mass"], 0.0))
-    if not half.any():
-        return None
-    half = np.maximum(half, THINNEST * half.max()) * min(1.0, _largest(motion) / half.max())
-    (R,) = rotations(np.array([run.deck["nodes"][node]["orientation"]], float))
-    sides = [motion.turned(node, size * R @ axis) for size, axis in zip(half, axes.T, strict=True)]
-    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
-    return motion.position(node)[:, None] + np.einsum("ks,sij->ikj", signs, np.array(sides))
+    def __init__(self, motion: "AnyMotion"):
+        self.motion = motion
 
+    def corners(self, d: "Values") -> np.ndarray | None:
+        """Return the corners (instants, 8, 3) [m] of the uniform cuboid of a body with the mass and inertia of ``d``.
 
-def _shown(run):
-    """Return the nodes of elements with lines, and of joints that hold a point."""
-    return {
-        node
-        for path, d in run.things.items()
-        if (run.display(d).support if path.startswith("joints/") else (run.display(d).shape or "line") in WITH_LINES)
-        for node in (*d.get("nodes", ()), d.get("node"))
-        if not path.startswith("loads/")
-    }
+        None if the body has no volume, or an element or joint shows how its node turns.
+        """
+        motion, node = self.motion, d["node"]
+        if f"nodes/{node}/rotation" not in motion.run.paths or node in self._shown:
+            return None
+        moments, axes = np.linalg.eigh(inertia_matrix(d["inertia"]))
+        half = np.sqrt(np.maximum(1.5 * (moments.sum() - 2.0 * moments) / d["mass"], 0.0))
+        if not half.any():
+            return None
+        half = np.maximum(half, THINNEST * half.max()) * min(1.0, self._largest / half.max())
+        (R,) = rotations(np.array([motion.run.deck["nodes"][node]["orientation"]], float))
+        sides = [motion.turned(node, size * R @ axis) for size, axis in zip(half, axes.T, strict=True)]
+        signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+        return motion.position(node)[:, None] + np.einsum("ks,sij->ikj", signs, np.array(sides))
 
+    @cached_property
+    def _shown(self):
+        """Nodes of elements with lines, and of joints that hold a point."""
+        run = self.motion.run
+        return {
+            node
+            for path, d in run.things.items()
+            if (
+                run.display(d).support if path.startswith("joints/") else (run.display(d).shape or "line") in WITH_LINES
+            )
+            for node in (*d.get("nodes", ()), d.get("node"))
+            if not path.startswith("loads/")
+        }
 
-def _largest(motion):
-    """Return the largest half side [m]: a part of the size of the mechanism at the first instant, if it has one."""
-    places = np.array([motion.position(node)[0] for node in motion.nodes])
-    size = np.linalg.norm(np.ptp(places, axis=0))
-    return LARGEST * size if size > 0.0 else np.inf
+    @cached_property
+    def _largest(self):
+        """Largest half side [m]: a part of the size of the mechanism at the first instant, if it has one."""
+        places = np.array([self.motion.position(node)[0] for node in self.motion.nodes])
+        size = np.linalg.norm(np.ptp(places, axis=0))
+        return LARGEST * size if size > 0.0 else np.inf

@@ -18,7 +18,7 @@ from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines, surface_outlines
 from mecano.post.curve_values import terms_of
 from mecano.post.ground import plane_of
-from mecano.post.lone_bodies import corners
+from mecano.post.lone_bodies import LoneBodies
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 if TYPE_CHECKING:
@@ -153,12 +153,14 @@ def _rotated(quaternions, vectors):
 
 def shapes(motion: AnyMotion) -> list[Shape]:
     """Return all Shapes of the mechanism; supports and joints last, as they are drawn on top."""
-    found = []
+    found, lone = [], LoneBodies(motion)
     for path, d in motion.run.things.items():
         section, _, name = path.partition("/")
         if section != "loads":
             shape = motion.run.display(d).shape or ("line" if section == "elements" else "joint")
             own = SHAPES[shape](motion, name, d)
+            if shape == "body":
+                own = [_with_corners(one, lone.corners(d)) if one.style == MASS else one for one in own]
             if own and d.get("release"):
                 shown = ~motion.released(f"{d['type']} '{name}'")
                 own = [replace(one, shown=shown) for one in own]
@@ -181,10 +183,15 @@ def _body(motion, name, d):
             nodes.append("")
     if not points:
         return []
-    if len(points) == 1 and (own := corners(motion, d)) is not None:
-        points += list(np.moveaxis(own, 1, 0))
-        nodes += [""] * own.shape[1]
     return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1), tuple(nodes))]
+
+
+def _with_corners(shape, corners):
+    """Return the shape of a body at a single point with ``corners`` (instants, n, 3) around it, if it has some."""
+    if corners is None:
+        return shape
+    points = np.concatenate([shape.points, corners], axis=1)
+    return replace(shape, style=BODY, points=points, nodes=(*shape.nodes, *[""] * corners.shape[1]))
 
 
 def _mass(motion, name, d):
