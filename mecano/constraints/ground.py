@@ -146,45 +146,68 @@ def along_profile(p, x):
 
 
 @kernel
-def touch(p, laws, x, a):
-    """Return the Contact (see surface.py) of the ground with record ``p`` and a disc of centre ``x`` and unit axis
-    ``a``.
-
-    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
-    """
-    n0, d = vec(p.normal, 0), vec(p.direction, 0)
-    X = x - vec(p.point, 0)
-    z, centre = dot(n0, X), dot(d, X)
-    delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
-    # evaluate the root again as a function of z, a and the centre
-    H, H1, H2 = profile_at(laws, p.height, centre + delta)
-    residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
-    delta = implicit(delta, residual, value(slope))
-    H, H1, _ = profile_at(laws, p.height, centre + delta)
-    return disc_contact(profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
-
-
-@kernel
 def profile_at(laws, height, sigma):
     """Return height [m], slope [-] and second derivative [1/m] of the profile; the last is not differentiated."""
     H, H1, H2 = evaluate_curve(laws, height, value(sigma))
     return chain(sigma, H, H1), chain(sigma, H1, H2), H2
 
 
+def foot_on_profile(residual):
+    """Return the kernel that finds the contact with a profile, where ``residual`` is zero: its normal, and the height.
+
+    ``residual(p, n0, d, a, z, delta, H, H1, H2)`` returns it and its derivative by ``delta``; the height [m] is that of
+    the centre above the plane through the contact.
+    """
+
+    @kernel
+    def place(p, laws, n0, d, a, z, centre):
+        """Return the distance [m] along the profile from the centre, at ``centre`` and height ``z``, to the contact."""
+        delta, step = 0.0, p.radius
+        for i in range(_ITERATIONS + 1):
+            H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
+            if p.height == 0 or abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
+                break
+            r, slope = residual(p, n0, d, a, z, delta, H, H1, H2)
+            # far from the ground the slope may vanish or change sign: then take a short step along the residual
+            step = r / max(-slope, 0.05)
+            step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
+            delta += step
+        return delta
+
+    @kernel
+    def foot(p, laws, x, a):
+        n0, d = vec(p.normal, 0), vec(p.direction, 0)
+        X = x - vec(p.point, 0)
+        z, centre = dot(n0, X), dot(d, X)
+        delta = place(p, laws, n0, d, value(a), value(z), value(centre))
+        # evaluate the root again as a function of z, a and the centre
+        H, H1, H2 = profile_at(laws, p.height, centre + delta)
+        r, slope = residual(p, n0, d, a, z, delta, H, H1, value(H2))
+        delta = implicit(delta, r, value(slope))
+        H, H1, _ = profile_at(laws, p.height, centre + delta)
+        return profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1)
+
+    return foot
+
+
 @kernel
-def _foot(p, laws, n0, d, a, z, centre):
-    """Return the distance [m] along the profile from the centre, at ``centre`` with height ``z``, to the contact."""
-    delta, step = 0.0, p.radius
-    for i in range(_ITERATIONS + 1):
-        H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
-        if p.height == 0 or abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
-            break
-        residual, slope = foot_residual(n0, d, a, z, delta, H, H1, H2)
-        # far from the ground the slope may vanish or change sign: then take a short step along the residual
-        step = residual / max(-slope, 0.05)
-        step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
-        delta += step
-    return delta
+def _residual_of_disc(p, n0, d, a, z, delta, H, H1, H2):
+    """Return the residual of a thin disc, see ``foot_on_profile``."""
+    return foot_residual(n0, d, a, z, delta, H, H1, H2)
+
+
+_FOOT = foot_on_profile(_residual_of_disc)
+
+
+@kernel
+def touch(p, laws, x, a):
+    """Return the Contact (see surface.py) of the ground with record ``p`` and a disc of centre ``x`` and unit axis
+    ``a``.
+
+    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
+    """
+    normal, height = _FOOT(p, laws, x, a)
+    return disc_contact(normal, height, a)
 
 
 def normal_and_level(rng):

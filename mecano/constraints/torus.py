@@ -17,15 +17,11 @@ The distance of M from the ground is stationary for both points, so that the fir
 On a profile the position of P along it is implicit, as that of the contact of a disc.
 """
 
-from mecano.constraints.ground import profile_at
+from mecano.constraints.ground import foot_on_profile
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import at_least, implicit, sqrt, value
-from mecano.maths.surface import LEAST_Q, Contact, profile_normal
-from mecano.maths.vector import dot, vec
-
-ITERATIONS = 50  # 3 to 5 are usual
-STEP_END = 1e-11  # of the radius; the iteration converges quadratically
+from mecano.maths.dual import at_least, sqrt
+from mecano.maths.surface import LEAST_Q, Contact
+from mecano.maths.vector import dot
 
 
 @kernel
@@ -43,31 +39,12 @@ def torus_contact(radius, crown, n, height, a):
 
 
 @kernel
-def touch_torus(p, laws, x, a):
-    """Return the Contact of the ground with record ``p`` and a torus of centre ``x`` and unit axis ``a``.
-
-    ``p`` has GROUND_RECORD and the ``radius`` [m] with the crown.
-    """
-    n0, d = vec(p.normal, 0), vec(p.direction, 0)
-    X = x - vec(p.point, 0)
-    z, centre = dot(n0, X), dot(d, X)
-    delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
-    # evaluate the root again as a function of z, a and the centre
-    H, H1, H2 = profile_at(laws, p.height, centre + delta)
-    residual, slope = _residual(p.radius - p.crown, n0, d, a, z, delta, H, H1, value(H2))
-    delta = implicit(delta, residual, value(slope))
-    H, H1, _ = profile_at(laws, p.height, centre + delta)
-    height = (z - H + H1 * delta) / sqrt(1.0 + H1 * H1)
-    return torus_contact(p.radius, p.crown, profile_normal(n0, d, H1), height, a)
-
-
-@kernel
-def _residual(middle, n0, d, a, z, delta, H, H1, H2):
+def _residual(p, n0, d, a, z, delta, H, H1, H2):
     """Return (M - P).(d + H1 n0), which is zero at the contact, and its derivative by the place of P.
 
     P is at the distance ``delta`` [m] along the profile from the centre, whose height above the plane is z [m].
     """
-    N = n0 - H1 * d
+    middle, N = p.radius - p.crown, n0 - H1 * d
     m = N - dot(N, a) * a
     Q = at_least(sqrt(dot(m, m)), LEAST_Q)
     c = -m / Q
@@ -79,16 +56,14 @@ def _residual(middle, n0, d, a, z, delta, H, H1, H2):
     return residual, middle * (turned_along + H1 * turned_up) - 1.0 + H2 * above - H1 * H1
 
 
+_FOOT = foot_on_profile(_residual)
+
+
 @kernel
-def _foot(p, laws, n0, d, a, z, centre):
-    """Return the distance [m] along the profile from the centre, at ``centre`` with height ``z``, to the contact."""
-    delta, step = 0.0, p.radius
-    for i in range(ITERATIONS + 1):
-        H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
-        if p.height == 0 or abs(step) < STEP_END * p.radius or i == ITERATIONS:
-            break
-        residual, slope = _residual(p.radius - p.crown, n0, d, a, z, delta, H, H1, H2)
-        step = residual / max(-slope, 0.05)
-        step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
-        delta += step
-    return delta
+def touch_torus(p, laws, x, a):
+    """Return the Contact of the ground with record ``p`` and a torus of centre ``x`` and unit axis ``a``.
+
+    ``p`` has GROUND_RECORD and the ``radius`` [m] with the crown.
+    """
+    normal, height = _FOOT(p, laws, x, a)
+    return torus_contact(p.radius, p.crown, normal, height, a)
