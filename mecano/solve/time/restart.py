@@ -16,6 +16,7 @@ from mecano.model.loop_records import Pointers, fields
 from mecano.model.loops import commit
 from mecano.model.numbering import SCALAR, SIGNAL
 from mecano.model.state import Instant
+from mecano.solve.events.compliance import soften
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.compiled_signals import SIGNALS, CompiledSignals, settle_at_once
 from mecano.solve.time.constrained_mass import (
@@ -107,15 +108,11 @@ def contradicted(r, w, s):
 def deflect_positions(r, w, m, s):
     """Move the positions of ``s`` by the deflection of the compliances under its reactions."""
     dq, gap, still = floats(r.displacement, w.n_all), gap_of(w, s, 0), floats(r.still, w.n_all)
-    of_rates, reactions = integers(w.exact_rates, w.n_l), s.z[w.n_q : w.n]
-    c, starts, columns = (
-        floats(m.soft_base, m.n_entries),
-        integers(m.soft_starts, m.n_l + 1),
-        integers(m.soft_columns, m.n_entries),
-    )
+    starts, columns = integers(m.soft_starts, m.n_l + 1), integers(m.soft_columns, m.n_entries)
+    soften(-1.0, starts, columns, floats(m.soft_base, m.n_entries), s.z[w.n_q : w.n], gap)
+    of_rates = integers(w.exact_rates, w.n_l)
     for i in range(w.n_l):
-        for j in range(starts[i], 0 if of_rates[i] else starts[i + 1]):
-            gap[i] += c[j] * reactions[columns[j]]
+        gap[i] = 0.0 if of_rates[i] else gap[i]
     dq[:] = 0.0
     change_rigidly(m, gap, dq)
     copy_state(w, BEGIN, TRIAL)
