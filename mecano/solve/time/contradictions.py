@@ -1,6 +1,7 @@
 """Contradictions: redundant or deactivated constraints that the other constraints violate."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,11 +12,13 @@ from mecano.solve.diagnostics.constraint_names import by_joint
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.diagnostics.mobility import Group, analyse
 from mecano.solve.diagnostics.scales import constraint_scale
-from mecano.solve.events.compliance import NO_ROWS, Compliance
+from mecano.solve.events.compliance import NO_ROWS, Compliance, softness
 
 if TYPE_CHECKING:
-    from mecano.model.state import State
+    from mecano.model.state import History, State
     from mecano.model.system import System
+    from mecano.solve.time.radau import RadauHistory
+    from mecano.solve.time.run_state import Method, RunState
     from mecano.solve.time.step_info import Trial
 
 MOST_OTHERS, MOST_ALIKE = 12, 6  # lines on constraints that contradict one, and joints named in each
@@ -138,3 +141,29 @@ class Contradictions:
                 lines += by_joint(others, group.totals, MOST_ALIKE)
         more = [f"and {len(lines) - MOST_OTHERS} more kinds of joints and directions"] * (len(lines) > MOST_OTHERS)
         return "".join(["; the others are:", *(f"\n  {line}" for line in lines[:MOST_OTHERS] + more)]) if lines else ""
+
+
+def start_stiff(method: "Method", s: "State", h: float) -> "tuple[State, History | RadauHistory]":
+    """Return a consistent state and history, with compliances of redundant constraints for the forces there."""
+    while True:
+        (begun, history), soft = method.start(s, h), method.compliance
+        if soft is None or not (displacement := method.contradictions.displaced(begun)):
+            return begun, history
+        method.use(soft.stiffer(s.t, displacement, softness(method.system, s, method.length)))
+
+
+def stiffened(method: "Method", run: "RunState", displacement: float) -> "RunState":
+    """Return the run with stiffer compliances if forces displace redundant constraints in its next step.
+
+    If its motion is another one, ``powers`` are still those of the old one.
+    """
+    s, soft = run.motion, run.compliance
+    assert soft is not None, "only compliances are displaced"
+    stiffer = soft.stiffer(s.t, displacement, softness(method.system, s, method.length))
+    method.use(stiffer)
+    try:
+        s, history = method.start(s, run.h)
+    except AssemblyError:  # constraints contradict one another, which the next step refuses if it is too much
+        method.use(soft.final())
+        return replace(run, compliance=method.compliance)
+    return replace(run, motion=s, history=history, compliance=stiffer)

@@ -13,11 +13,11 @@ from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
-from mecano.solve.events.compliance import softness
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
+from mecano.solve.time.contradictions import start_stiff, stiffened
 from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
@@ -108,18 +108,10 @@ class TimeIntegrator:
         separate are open, even if rounding makes them overlap.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        s, history = self._start(self.monitor.settle(s, self.shocks.touching), h)
+        s, history = start_stiff(self.method, self.monitor.settle(s, self.shocks.touching), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
         return run
-
-    def _start(self, s, h):
-        """Return a consistent state and history, with compliances of redundant constraints for the forces there."""
-        while True:
-            (begun, history), soft = self.method.start(s, h), self.method.compliance
-            if soft is None or not (displacement := self.method.contradictions.displaced(begun)):
-                return begun, history
-            self.method.use(soft.stiffer(s.t, displacement, softness(self.system, s, self.method.length)))
 
     def _close_pressed(self, run):
         """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
@@ -252,7 +244,8 @@ class TimeIntegrator:
         if self.method.compliance is not None:
             trial = trial or self.trials.first(run, stop)
             if displacement := self.method.contradictions.yielding(trial):
-                return self._stiffened(run.tried(1, trial[2].iterations), displacement)
+                new = stiffened(self.method, run.tried(1, trial[2].iterations), displacement)
+                return new if new.motion is run.motion else replace(new, powers=self._observe(new.motion).powers)
         try:
             h, trial, found, rejected, iterations = self.trials.acceptable(run, stop, trial, cuts)
         finally:
@@ -267,19 +260,6 @@ class TimeIntegrator:
         if found.trial is None:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
-
-    def _stiffened(self, run, displacement):
-        """Return the run with stiffer compliances if forces displace redundant constraints in its next step."""
-        s = run.motion
-        soft = run.compliance.stiffer(s.t, displacement, softness(self.system, s, self.method.length))
-        self.method.use(soft)
-        try:
-            s, history = self.method.start(s, run.h)
-        except AssemblyError:  # constraints contradict one another, which the next step refuses if it is too much
-            soft = run.compliance.final()
-            self.method.use(soft)
-            return replace(run, compliance=soft)
-        return replace(run, motion=s, history=history, compliance=soft, powers=self._observe(s).powers)
 
     def _accept(self, run, trial, h, rejected, stop, failed):
         s, history, info = trial
