@@ -30,6 +30,24 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("andrews", "time.method=radau", "time.adaptive={tolerance: 1.0e-8}", "time.end=0.003"): (27, 53, 55),
 }
 
+CHAIN = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes:
+  a$i: {{repeat: {{i: 1..{n}}}, position: [$i - 1, 0, 0]}}
+  b$i: {{repeat: {{i: 1..{n}}}, position: [$i, 0, 0]}}
+elements:
+  link$i:
+    {{repeat: {{i: 1..{n}}}, type: rigid_body, node: a$i, attached: [b$i], mass: 1, center_of_mass: [0.5, 0, 0],
+     inertia: [4.2e-4, 8.35e-2, 8.35e-2]}}
+joints:
+  hinge1: {{type: hinge, nodes: [ground, a1], axis: [0, 1, 0]}}
+  hinge$i: {{repeat: {{i: 2..{n}}}, type: hinge, nodes: [b$(i - 1), a$i], axis: [0, 1, 0]}}
+time: {{end: 1, step: 1 ms, rho_inf: 0.9}}
+output: {{every: 100 ms}}
+"""  # that of tests/benchmarks, of n bars
+CHAINS = {10: (1000, 2162, 170), 100: (1000, 2006, 240)}  # bars: the same counts
+
 COMPILED = {"pendulum": (31, 2138), "nose_gear_rigid": (48, 2842)}  # machine code objects, lines of their functions
 
 
@@ -62,12 +80,22 @@ def counts(deck, path, monkeypatch, observers=()):
     return final.steps, final.iterations, renewed + len(solved)
 
 
+def cost_no_more(found, reference):
+    for what, now, before in zip(("steps", "Newton iterations", "factorizations"), found, reference, strict=True):
+        assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
+        assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
+
+
 @pytest.mark.parametrize("deck", REFERENCE, ids=lambda deck: deck[0])
 def test_reference_runs_cost_no_more(deck, tmp_path, monkeypatch):
     found = counts(input_deck(*deck), tmp_path / "r.h5", monkeypatch)
-    for what, now, before in zip(("steps", "Newton iterations", "factorizations"), found, REFERENCE[deck], strict=True):
-        assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
-        assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
+    cost_no_more(found, REFERENCE[deck])
+
+
+@pytest.mark.parametrize("n", CHAINS)
+def test_chains_of_rigid_bodies_cost_no_more(n, tmp_path, monkeypatch):
+    found = counts(deck_of_bytes(CHAIN.format(n=n).encode(), "chain"), tmp_path / "r.h5", monkeypatch)
+    cost_no_more(found, CHAINS[n])
 
 
 @pytest.mark.parametrize("end", [0.1, 5.8, pytest.param(7.25, marks=pytest.mark.slow)])
