@@ -322,3 +322,33 @@ def test_a_strut_starts_at_a_speed(control):
     recorded = RecordedRun(deck(STRUT.replace("MORE", control)))
     assert recorded["nodes/mass/position"][-1, 2] == pytest.approx(fallen(), abs=1e-8)
     assert len(recorded.time) < 220
+
+
+DASHPOT = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {foot: {position: [0, 0, 0.005]}}
+elements: {mass: {type: point_mass, node: foot, mass: 130}}
+signals:
+  depth: {type: formula, value: "max(-foot.position.z, 0)", unit: m}
+  stiffness: {type: formula, value: 2e8*depth}
+  damping: {type: formula, value: "2.3*sqrt(stiffness)*max(-foot.velocity.z, 0)", unit: N}
+loads: {ground: {type: force, node: foot, direction: [0, 0, 1], value: 1e8*depth**2 + damping}}
+initial: {velocities: [{nodes: [foot], velocity: [0, 0, -4.945]}]}
+time: {end: 10 ms, step: 0.2 ms, method: radau, adaptive: {tolerance: 1e-8, length_scale: 10 mm}}
+"""
+
+
+def test_a_damper_whose_slope_is_infinite_at_contact_is_passed():
+    """A force like the root of the depth, by signals of signals; by solve_ivp from the instant of contact on."""
+    recorded = RecordedRun(deck(DASHPOT))
+    g, v = 9.81, 4.945
+    touch = (np.sqrt(v * v + 2.0 * g * 0.005) - v) / g
+
+    def rates(t, y):
+        depth = max(-y[0], 0.0)
+        return y[1], -g + (1e8 * depth**2 + 2.3 * np.sqrt(2e8 * depth) * max(-y[1], 0.0)) / 130.0
+
+    exact = solve_ivp(rates, (touch, 0.01), (0.0, -v - g * touch), method="DOP853", rtol=1e-12, atol=1e-14)
+    assert recorded.run.motion.z[2] == pytest.approx(exact.y[0, -1], abs=3e-10)
+    assert recorded.run.motion.v[2] == pytest.approx(exact.y[1, -1], abs=3e-7)

@@ -100,7 +100,8 @@ def iterate(w, r):
         w.paused = 0
         if r.iterations == w.most:
             return TOO_MANY
-        if w.stale:
+        renewed = w.stale
+        if renewed:
             code = renew(w, r)
             if code != STALE:
                 return code
@@ -113,16 +114,17 @@ def iterate(w, r):
         copy_numbers(r.reactions, r.kept_reactions, 3 * w.n_l)
         last, r.size = r.size, correct(w, r)
         r.iterations += 1
-        code = judge(w, r, last)
+        code = judge(w, r, last, renewed)
         if code >= 0:
             return code
 
 
 @kernel
-def judge(w, r, last):
+def judge(w, r, last, renewed):
     """Return CONVERGED, NOT_FINITE or DIVERGES for the current correction and the ``last`` one, or -1 to continue.
 
-    A correction that grows is undone, and the next tangent evaluated at the stages.
+    A correction that grows is undone, and the next tangent evaluated at the stages, unless the tangent of this one was
+    ``renewed`` there.
     """
     ratio = r.size / last if r.iterations > 1 else 1.0
     if not r.size < np.inf:
@@ -134,7 +136,7 @@ def judge(w, r, last):
     if at_rounding(r.size, ratio, ratio != 1.0, r.reach, 0.0):
         return CONVERGED
     if r.iterations > 1 and (ratio > SLOW or r.size * ratio ** (w.most - r.iterations) > r.goal):
-        if ratio > SLOW:
+        if ratio > SLOW and not renewed:
             copy_numbers(r.kept_increments, r.increments, 3 * w.n_q)
             copy_numbers(r.kept_reactions, r.reactions, 3 * w.n_l)
             r.size = last
