@@ -15,6 +15,7 @@ import numpy as np
 
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
+from mecano.model.numbering import MASSLESS
 from mecano.model.state import RadauHistory, State
 from mecano.solve.diagnostics.scales import Tolerances, balance
 from mecano.solve.events.compliance import compliances_of_a_step
@@ -69,6 +70,7 @@ class Radau:
         self.pause: Callable[[], object] = lambda: None
         self.assembly, self.amplification = Assembly(system), Amplification(system, length)
         self.workspace = Workspace(system, self.assembly)
+        self.workspace.array("kind")[np.flatnonzero(system.massless)] = MASSLESS
         self.stages = RadauWorkspace(
             system, length, violation=self.amplification.violation, tolerance=control.tolerance,
             constraint_tolerance=self.tolerances.constraint, **tables_of(system),

@@ -12,7 +12,7 @@ from mecano.model.assembly_driver import (
     residual_loops,
 )
 from mecano.model.loop_records import SYSTEM
-from mecano.model.numbering import ROTATION, STATE, TRANSLATION
+from mecano.model.numbering import MASSLESS, ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
 from mecano.solve.diagnostics.scales import SIGNALS, SMALL
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, NOT_FINITE, PAUSE, STALE, TOO_MANY
@@ -245,9 +245,27 @@ def error_of(w, r):
     F = row_of(r.F, 0, w.n)
     residual(w, r, s, F)
     e = solve_real(w, r, F)
+    forgive_massless(w, r, e, terms)
     sizes = largest(e, kind, n_q, w.length), largest(terms[0], kind, n_q, w.length)
     error = of_order_six(*sizes, largest(terms[1], kind, n_q, w.length), largest(terms[2], kind, n_q, w.length))
     return max(error, error_of_signals(w, r, e, terms))
+
+
+@kernel
+def forgive_massless(w, r, e_out, terms_out):
+    """Reduce the error estimates of unknowns without mass in a step that is shorter than the one before.
+
+    Their equations hold at its beginning as well as the iteration of that step had to satisfy them; the difference
+    does not become smaller with the step.
+    """
+    if not r.known or w.h >= r.last_h:
+        return
+    kind, share = integers(w.kind, w.n_all), w.h / r.last_h
+    for d in range(w.n_q):
+        if kind[d] == MASSLESS:
+            e_out[d] *= share
+            for i in range(3):
+                terms_out[i, d] *= share
 
 
 @kernel
