@@ -18,7 +18,7 @@ from mecano.analyses.control_stability import DENSE, causes_of_failure, instabil
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
-from mecano.elements.signals.delay import MOST, _kept
+from mecano.elements.signals.delay import COUNT, FIRST, NEWEST, _kept
 from mecano.errors import AssemblyError, DeckError
 from mecano.solve.time import signals
 from mecano.solve.time.compiled_signals import CompiledSignals
@@ -368,12 +368,12 @@ def test_a_digital_controller_that_acts_a_period_late(gain):
 
 def test_a_delay_does_not_overshoot():
     """The corners of a ramp, delayed by three steps, in the middle of each step."""
-    kept, p = np.zeros(1 + 2 * MOST), SimpleNamespace(time=0.3)
+    kept, p = np.zeros(FIRST + 16), SimpleNamespace(time=0.3)
     times, values = np.arange(8) * 0.1, np.array([0.0, 0.0, 0.0, 0.4, 1.0, 1.0, 1.0, 1.0])
-    kept[0], kept[1:17:2], kept[2:18:2] = 8, times[::-1], values[::-1]
+    kept[COUNT], kept[NEWEST], kept[FIRST::2], kept[FIRST + 1 :: 2] = 8, 2, np.roll(times, 3), np.roll(values, 3)
     found = np.array([_kept(p, kept, t) for t in np.arange(0.05, 0.7, 0.1)])
     assert np.all(found[[0, 1, 4, 5, 6]] == [0, 0, 1, 1, 1]) and 0.0 < found[2] < 0.4 < found[3] < 1.0
-    kept[2:18:2] = (times**2)[::-1]
+    kept[FIRST + 1 :: 2] = np.roll(times, 3) ** 2
     at = np.array([0.35, 0.52, 0.64])
     np.testing.assert_allclose([_kept(p, kept, t) for t in at], at**2, rtol=1e-12)
 

@@ -10,7 +10,6 @@ from mecano.elements.signals import delay, external, sample_and_hold
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mecano.element_interface import Kind
     from mecano.model.state import State
     from mecano.model.system import System
     from mecano.results.reader import Results
@@ -24,7 +23,7 @@ def with_held_values(system: "System", state: "State", results: "Results", row: 
     """
     memory = state.memory.copy()
     for batch in system.batches:
-        hold = next((hold for kind, hold in HELD if kind is batch.kind), None)
+        hold = next((hold for name, hold in HELD if name == batch.kind.name), None)
         if hold is None:
             continue
         width = len(batch.kind.memory)
@@ -37,7 +36,7 @@ def with_held_values(system: "System", state: "State", results: "Results", row: 
 
 def _delayed(p: np.void, m: np.ndarray, value: float, t: float) -> None:
     """Let the input have had this value a delay ago, and nothing be known of it since."""
-    m[delay.COUNT], m[delay.ARRIVAL], m[delay.FIRST], m[delay.FIRST + 1] = 1.0, delay.NEVER, t - p["time"], value
+    m[: delay.FIRST + 2] = 1.0, delay.NEVER, 0.0, t - p["time"], value
 
 
 def _sampled(p: np.void, m: np.ndarray, value: float, t: float) -> None:
@@ -48,6 +47,6 @@ def _set(p: np.void, m: np.ndarray, value: float, t: float) -> None:
     m[external.VALUE], m[external.STARTED] = value, 1.0
 
 
-HELD: "tuple[tuple[Kind, Callable[[np.void, np.ndarray, float, float], None]], ...]" = (
-    (delay.DELAY, _delayed), (sample_and_hold.SAMPLE_AND_HOLD, _sampled), (external.EXTERNAL, _set)
+HELD: "tuple[tuple[str, Callable[[np.void, np.ndarray, float, float], None]], ...]" = (
+    ("delay", _delayed), ("sample_and_hold", _sampled), ("external", _set)
 )  # fmt: skip

@@ -46,6 +46,7 @@ METHODS = {
 ORDERS = {"radau": 5}  # 2 for the others
 SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
 RESTART = 10.0  # first steps: longest one behind a corner of a law of time, or a condition, in an adaptive run
+OF_DELAY = 0.125  # longest adaptive step, so that the input of a delay is known at enough instants
 MOVED = 1e-6  # of the length scale: larger displacements by the assembly are reported
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
@@ -160,7 +161,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
         constraint=newton["constraint_tolerance"],
         max_iterations=newton["maximum_iterations"],
     )
-    control = control_of(values)
+    control = _between_delays(control_of(values), deck)
     duration = values["end"] - values["start"]
     k, penalty = or_default(scale["k"], None), or_default(scale["penalty"], None)
     method: Method
@@ -206,6 +207,18 @@ def control_of(values: "Values") -> StepControl:
         maximum=or_default(adaptive["maximum_step"], duration / 20),
         order=ORDERS.get(values["method"], 2),
     )  # fmt: skip
+
+
+def _between_delays(control, deck):
+    """Return the step control in which adaptive steps are a part of the shortest delay, or some first steps.
+
+    Errors of steps do not include those of delays, which interpolate between the ends of earlier steps.
+    """
+    delays = [d["time"] for d in deck.values["signals"].values() if d["type"] == "delay"]
+    if not (delays and control.adaptive):
+        return control
+    first = deck.values["time"]["step"] * (1.0 if deck.values["time"]["method"] == "radau" else RESTART)
+    return replace(control, maximum=min(control.maximum, max(OF_DELAY * min(delays), first)))
 
 
 def or_default(value: Any, otherwise: Any) -> Any:

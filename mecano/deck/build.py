@@ -35,7 +35,7 @@ def build(deck: "Deck") -> Model:
     at = poses(values["nodes"])
     nodes = [Node(name, *at[name], d["fixed"]) for name, d in values["nodes"].items()]
     elements = [
-        Element(name, KINDS[d["type"]], tuple(element_nodes(KINDS[d["type"]], d)), _with_unit_in_si(d))
+        Element(name, _kind_in(d, values["time"]), tuple(element_nodes(KINDS[d["type"]], d)), _with_unit_in_si(d))
         for section in SECTIONS
         for name, d in values[section].items()
     ]
@@ -44,6 +44,12 @@ def build(deck: "Deck") -> Model:
 
         elements.append(Element("until", RUN_END, (), {"until": values["time"]["until"]}))
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
+
+
+def _kind_in(d, time):
+    """Return the Kind of an entry, or the one that replaces it in a run with this section 'time'."""
+    kind = KINDS[d["type"]]
+    return kind.in_run(d, time) if time and kind.in_run else kind
 
 
 def requested_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -2,8 +2,8 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-joints that bind; loads on fixed nodes; laws of time that the steps do not sample; motions that jump; triggers outside
-of a run; unused entries.
+joints that bind; loads on fixed nodes; delays of many steps; laws of time that the steps do not sample; motions that
+jump; triggers outside of a run; unused entries.
 """
 
 import math
@@ -70,7 +70,7 @@ def suspicious(
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
         *_partly_moving(values, kinds), *_motions(values, kinds), *_bodies(values),
-        *_orbits(values),
+        *_orbits(values), *_delays(values),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
@@ -222,6 +222,14 @@ def _orbits(values):
         from mecano.deck.orbits import orbits
 
         yield from orbits(values)
+
+
+def _delays(values):
+    """Yield (path, text) on delays; few decks have any."""
+    if any(d["type"] == "delay" for d in values["signals"].values()):
+        from mecano.deck.delayed_inputs import delayed_inputs
+
+        yield from delayed_inputs(values)
 
 
 def _motions(values, kinds):

@@ -242,6 +242,8 @@ class Events:
     at_start: Callable | None = None
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
     memory: tuple[str, ...] = ()  # names of the values kept from step to step
+    in_run: Callable | None = None
+    """(deck values, checked section 'time') -> the Kind that replaces it in such a run, whose memory is another"""
     commit: Callable | None = None
     is_set: bool = False  # a program sets its memory between steps
     reads_past: bool = False  # its memory is that of earlier inputs, of which an equilibrium has none
