@@ -189,6 +189,19 @@ def test_a_latch_that_is_released_lets_the_panel_swing(release):
     np.testing.assert_array_equal(run["joints/hinge/latched"], (run.time > locks.t + 1e-9) & ~after)
 
 
+@pytest.mark.parametrize("release", ["{time: 0.2}", "{when: time > 0.2}"])
+def test_a_latch_that_is_released_before_it_locks_lets_the_panel_pass(release, tmp_path):
+    """The panel swings about 2 rad from the start, 2 (1 - cos(w t)); the run reports that it never locked."""
+    changes = "joints.hinge.natural_angle=2", f"joints.hinge.latch={{angle: 1, release: {release}}}", "time.end=1"
+    run(input_deck("panel_lock", *changes), tmp_path / "r.h5")
+    results = open_results(tmp_path / "r.h5")
+    assert [(event.name, event.energy_lost) for event in results.events] == [("is released", 0.0)]
+    known = 2.0 * (1.0 - np.cos(np.sqrt(6.0) * results.time))
+    np.testing.assert_allclose(results["hinge.angle"].values, known, atol=2e-6)
+    (text,) = (text for text in results.warnings if "latches" in text)
+    assert text.startswith("1 of 1 latches never closed: hinge 'hinge'") and text.endswith("with a 'release'")
+
+
 def test_a_release_of_a_latch_needs_a_trigger():
     with pytest.raises(DeckError) as error:
         input_deck("panel_lock", "joints.hinge.latch={angle: 1, release: {}}")

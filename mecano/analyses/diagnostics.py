@@ -244,20 +244,21 @@ def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
         yield f"activated without effect, as the bodies overlapped until the end: {waiting}"
 
 
-def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler") -> Iterator[str]:
+def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs.
 
-    Latches with a release may have been closed before.
+    Of latches with a release, those are open that were open in all steps.
     """
     columns, found = sampler.starts, []
-    joints = deck.values["joints"].items()
-    latched = {name: d for name, d in joints if d.get("latch") and not d["latch"]["release"]}
+    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
     for name, d in latched.items():
-        if not row[columns[f"joints/{name}/latched"]]:
+        closed, release = columns[f"joints/{name}/latched"], d["latch"]["release"]
+        if not (extremes.high[closed] if release else row[closed]):
             quantity, wanted = next(iter(d["latch"].items()))
             rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
             at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
-            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
+            text = f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s"
+            found.append(text + (", with a 'release'" if release else ""))
     if found:
         yield f"{len(found)} of {len(latched)} latches never closed: {name_list(found, MOST_LATCHES, '; ')}"
 

@@ -313,7 +313,7 @@ class Ongoing:
             from mecano.analyses.control_stability import causes_of_failure  # most runs do not fail
 
             known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
-            latches = open_latch_warnings(deck, recorder.row, sampler)
+            latches = open_latch_warnings(deck, recorder.row, sampler, recorder.writer.extremes)
             turning = unstable_turning_warnings(deck.values["time"], sampler, recorder.writer.extremes)
             unstable = causes_of_failure(self._prepared, self._start, self._notes)
             after = [*latches, *(f"warning: {text}" for text in turning), *unstable]
@@ -357,7 +357,7 @@ class Ongoing:
         warnings += capture_warnings(values, integrator.capture)
         warnings += until_warnings(values, self.state.motion.t, self.ended)
         warnings += limit_warnings(deck, sampler, extremes)
-        warnings += open_latch_warnings(deck, recorder.row, sampler)
+        warnings += open_latch_warnings(deck, recorder.row, sampler, extremes)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
         warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases)
         warnings += untouched_ground_warnings(deck, sampler, extremes)

@@ -1,8 +1,9 @@
 r"""Latches and stops of a joint coordinate c: constraints that become active at a located event, with a shock.
 
-A latch is reached by c on its way from the initial value, and then holds it, for good or until its release. A stop is
-reached at the ``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with
-the coefficient of ``restitution``, and opens where its reaction falls to zero.
+A latch is reached by c on its way from the initial value, and then holds it, for good or until its release; released
+before, it never locks. A stop is reached at the ``lower`` or at the ``upper`` value; it pushes c back,
+:math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient of ``restitution``, and opens where its reaction falls
+to zero.
 
 The held value :math:`c_0` is that at the end of the last step before the event, the memory of the part: several latches
 and stops reached together hold consistent values, to the last bit. Docs: docs/shocks.md.
@@ -27,6 +28,7 @@ LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
 UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good", command="release")
+RELEASED_OPEN = replace(UNLOCKS, name="is released", before="free", doc="released before it locks, which it never does")
 
 
 def stop_events(end, reaction):
@@ -99,7 +101,7 @@ def releasable_latch_kind(name, doc, coordinate):
     phases = (*LATCH_PHASES, UNLOCKS.after)
     return replace(
         latch_kind(name, doc, replace(coordinate, inputs=1)), inputs=(UNLOCKS.command,), phases=phases,
-        events=(*LATCH_EVENTS, UNLOCKS), sample=_samples(coordinate, phases),
+        events=(*LATCH_EVENTS, UNLOCKS, RELEASED_OPEN), sample=_samples(coordinate, phases),
     )  # fmt: skip
 
 
