@@ -195,11 +195,25 @@ def test_a_latch_that_is_released_before_it_locks_lets_the_panel_pass(release, t
     changes = "joints.hinge.natural_angle=2", f"joints.hinge.latch={{angle: 1, release: {release}}}", "time.end=1"
     run(input_deck("panel_lock", *changes), tmp_path / "r.h5")
     results = open_results(tmp_path / "r.h5")
-    assert [(event.name, event.energy_lost) for event in results.events] == [("is released", 0.0)]
+    assert [(event.name, event.energy_lost) for event in results.events] == [("is held open", 0.0)]
     known = 2.0 * (1.0 - np.cos(np.sqrt(6.0) * results.time))
     np.testing.assert_allclose(results["hinge.angle"].values, known, atol=2e-6)
     (text,) = (text for text in results.warnings if "latches" in text)
     assert text.startswith("1 of 1 latches never closed: hinge 'hinge'") and text.endswith("with a 'release'")
+
+
+def test_a_latch_locks_once_its_release_is_no_longer_commanded():
+    """The panel swings through 1 rad to 4 rad and back, locks only when its command has ended, and is then released."""
+    when = (
+        "{when: 'abs(time - 2.1) > 1.6'}"  # held open until 0.5 s, after it has passed 1 rad; locks on its second way
+    )
+    latch = f"joints.hinge.latch={{angle: 1, release: {when}}}"
+    found = RecordedRun(input_deck("panel_lock", "joints.hinge.natural_angle=2", latch, "time.end=4"))
+    assert [h.name for h in found.event_records] == ["may lock", "locks", "unlocks"]
+    passes = (2.0 * np.pi + np.arccos(0.5)) / np.sqrt(6.0)
+    assert [h.t for h in found.event_records] == [
+        pytest.approx(0.5, abs=1e-6), pytest.approx(passes, abs=1e-5), pytest.approx(3.7, abs=1e-6)
+    ]  # fmt: skip
 
 
 def test_a_release_of_a_latch_needs_a_trigger():

@@ -1,9 +1,9 @@
 r"""Latches and stops of a joint coordinate c: constraints that become active at a located event, with a shock.
 
-A latch is reached by c on its way from the initial value, and then holds it, for good or until its release; released
-before, it never locks. A stop is reached at the ``lower`` or at the ``upper`` value; it pushes c back,
-:math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient of ``restitution``, and opens where its reaction falls
-to zero.
+A latch is reached by c on its way from the initial value, and then holds it, for good or until its release; it does
+not lock while the trigger of its release holds. A stop is reached at the ``lower`` or at the ``upper`` value; it pushes
+c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient of ``restitution``, and opens where its
+reaction falls to zero.
 
 The held value :math:`c_0` is that at the end of the last step before the event, the memory of the part: several latches
 and stops reached together hold consistent values, to the last bit. Docs: docs/shocks.md.
@@ -16,19 +16,21 @@ from mecano.constraints.along_coordinate.hold import holding
 from mecano.constraints.along_coordinate.law import counted
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.stop_phases import FAR
-from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
+from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.schema import NUMBER, Field, mapping, requirement, share
 
 LATCH_RECORD = {"value": (), "direction": ()}
 STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
 FREE, LOCKED = 0, 1
+NEVER = -1.0  # value of an event that does not occur
 BETWEEN, LOWER, UPPER = 0, 1, 2
 LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
 UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good", command="release")
-RELEASED_OPEN = replace(UNLOCKS, name="is released", before="free", doc="released before it locks, which it never does")
+OPENS = Event("is held open", "free", "held open", "released before it locks", command=UNLOCKS.command)
+CLOSES = Event("may lock", "held open", "free", "the condition of the release is false again", condition=True)
 
 
 def stop_events(end, reaction):
@@ -97,11 +99,28 @@ def latch_kind(name, doc, coordinate):
 
 
 def releasable_latch_kind(name, doc, coordinate):
-    """Return the Kind of a latch of a coordinate that a trigger, its input, releases."""
-    phases = (*LATCH_PHASES, UNLOCKS.after)
+    """Return the Kind of a latch of a coordinate that a trigger, its input, releases.
+
+    It does not lock where the trigger already holds. Beyond its place, it locks only on another way through it.
+    """
+    phases, released = (*LATCH_PHASES, UNLOCKS.after, OPENS.after), replace(coordinate, inputs=1)
+    kind, command = latch_kind(name, doc, released), released.row - 1
+    beyond, keep = kind.event_values, kind.commit
+
+    @kernel
+    def event_values(p, at, g):
+        beyond(p, at, g)
+        g[0] = g[0] if at.m[1] >= 0.0 else NEVER
+        g[3] = -at.q[command]
+
+    @kernel
+    def commit(p, at, m_out):
+        keep(p, at, m_out)
+        m_out[1] = p.direction * (p.value - m_out[0])
+
     return replace(
-        latch_kind(name, doc, replace(coordinate, inputs=1)), inputs=(UNLOCKS.command,), phases=phases,
-        events=(*LATCH_EVENTS, UNLOCKS, RELEASED_OPEN), sample=_samples(coordinate, phases),
+        kind, inputs=(UNLOCKS.command,), phases=phases, events=(*LATCH_EVENTS, UNLOCKS, OPENS, CLOSES),
+        memory=(*kind.memory, "ahead"), sample=_samples(coordinate, phases), **named(event_values, commit),
     )  # fmt: skip
 
 
