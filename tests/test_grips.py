@@ -102,6 +102,21 @@ def test_a_grip_that_begins_closed_exchanges_momentum_at_the_start():
     np.testing.assert_allclose(run["nodes/part/velocity"][-1], [0.25, 0, 0], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("release", "found"),
+    [
+        ("{time: 0.3}", []),
+        ("{when: 'abs(time - 0.8) < 0.6'}", [("closes", 1.4, "closed")]),
+        ("{when: 'abs(time - 0.3) < 0.1'}", [("closes", 0.5, "closed")]),
+    ],
+)
+def test_a_grip_that_is_released_does_not_close(release, found):
+    """Nor does it lose energy; it closes where its release is no longer commanded."""
+    run = RecordedRun(deck(PASSING.replace("MORE", f"close: {{when: {REACHED}}}, release: {release}")))
+    assert events(run) == found
+    assert run["nodes/part/velocity"][-1, 0] == pytest.approx(0.25 if found else 1.0, abs=1e-12)
+
+
 def test_a_grip_closes_and_opens_again_as_its_condition_says():
     held = PASSING.replace("hand: {position: [0, 0, 0]}", "hand: {position: [0, 0, 0], fixed: true}")
     run = RecordedRun(deck(held.replace("MORE", "while: sin(2*pi*time) > 0.5")))
@@ -117,6 +132,7 @@ def test_a_grip_closes_and_opens_again_as_its_condition_says():
         ("", "give either 'close' or 'while'"),
         ("close: {}", "'close' needs either 'time' or 'when'"),
         ("close: {time: 1}, while: time > 1", "give either 'close' or 'while'"),
+        ("close: {time: 1}, release: {time: 1}", "'release.time' must be later than 'close.time', 1 s"),
         ("release: {time: 1}, while: time > 1", "'release' and 'while' exclude one another"),
     ],
 )
@@ -133,11 +149,12 @@ def test_wrong_commands(command, message):
         ("close: {when: part.position.x > -0.5}, release: {when: time > 3}", "'release: {when: time > 3}'"),
         ("close: {when: part.position.x > -0.5}", ""),
         ("close: {when: part.position.x > -0.5}, release: {when: hook.force.magnitude > 1e3}", ""),
-        ("while: part.position.x > 5", ""),
+        ("while: part.position.x > 5", "'while: part.position.x > 5'"),
+        ("while: part.position.x < -0.5", ""),
     ],
 )
 def test_a_grip_that_waits_to_the_end_is_reported(more, unmet, tmp_path):
-    """Except for one that would open at a load of its own, which is a fuse, and one that opens and closes at will."""
+    """Except for one that would open at a load of its own, which is a fuse, and one that closed for a while."""
     run(deck(PASSING.replace("MORE", more)), tmp_path / "run.h5")
     with open_results(tmp_path / "run.h5") as results:
         found = [text for text in results.warnings if "did not become true" in text]

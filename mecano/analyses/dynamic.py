@@ -359,7 +359,7 @@ class Ongoing:
         warnings += limit_warnings(deck, sampler, extremes)
         warnings += open_latch_warnings(deck, recorder.row, sampler, extremes)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
-        warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases)
+        warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases, sampler, extremes)
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         if any(ground["profile"] for ground in deck.values["grounds"].values()):
             from mecano.analyses.unmet_bumps import unmet_bump_warnings  # few decks have a profile
@@ -392,9 +392,9 @@ class Ongoing:
         self._checkpoint_writer.write(self.state)
 
 
-def _unmet_conditions(deck, system, phases):
+def _unmet_conditions(deck, system, *states):
     if not any(event.command or event.condition for batch in system.batches for event in batch.kind.events):
         return ()
     from mecano.analyses.unmet_conditions import unmet_condition_warnings  # few runs have conditions
 
-    return unmet_condition_warnings(deck, system, phases)
+    return unmet_condition_warnings(deck, system, *states)

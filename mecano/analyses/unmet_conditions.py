@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from mecano.deck.deck import Deck
+    from mecano.model.extremes import Extremes
+    from mecano.model.sampler import Sampler
     from mecano.model.system import System
 
 MOST_CONDITIONS = 4  # named in a warning
@@ -19,10 +21,13 @@ GRIPS = ("grip", "position_grip")  # kinds
 GRIP_WAITS = {"open": "close", "closed": "release"}  # {phase: command that ends it}
 
 
-def unmet_condition_warnings(deck: "Deck", system: "System", phases: "np.ndarray") -> Iterator[str]:
+def unmet_condition_warnings(
+    deck: "Deck", system: "System", phases: "np.ndarray", sampler: "Sampler", extremes: "Extremes"
+) -> Iterator[str]:
     """Yield a warning that names the conditions that, by the ``phases`` at the end, were never met.
 
-    Those on a load of the element itself are those of a fuse, which is meant to hold.
+    Those on a load of the element itself are those of a fuse, which is meant to hold. Whether a grip was ever closed
+    'while' a condition held follows from the ``extremes`` of its outputs.
     """
     found = dict.fromkeys(
         text
@@ -30,6 +35,7 @@ def unmet_condition_warnings(deck: "Deck", system: "System", phases: "np.ndarray
         for unmet in (_unmet, _unmet_grips)
         for text in unmet(deck, batch, phases[batch.phases])
     )
+    found.update(dict.fromkeys(_never_gripped(deck, sampler, extremes)))
     if found:
         yield f"conditions that did not become true: {name_list(list(found), MOST_CONDITIONS, '; ')}"
 
@@ -60,3 +66,10 @@ def _unmet_grips(deck, batch, phases):
         trigger = command and deck.values["joints"][name][command]
         if trigger and trigger["when"] and not re.search(LOAD.format(re.escape(name)), trigger["when"]):
             yield f"{title_of('grip', name)}, '{command}: {{when: {trigger['when']}}}'"
+
+
+def _never_gripped(deck, sampler, extremes):
+    """Yield a text for each grip that was never closed 'while' its condition held."""
+    for name, d in deck.values["joints"].items():
+        if d.get("while") and not extremes.high[sampler.starts[f"joints/{name}/closed"]]:
+            yield f"{title_of('grip', name)}, 'while: {d['while']}'"

@@ -6,9 +6,10 @@ the relative motion is lost. From then on the relative position :math:`d = R_a^T
 
 .. math::  d - d_0 = 0, \qquad \tfrac12 \operatorname{axial}(S - S^T) = 0, \quad S = Q_0^T R_a^T R_b
 
-until it opens, without a shock. With ``close``, and perhaps ``release``, it closes once, and opens at most once. With
-``while`` it closes whenever the condition becomes true and opens whenever it becomes false. With ``rotation: false``
-it holds the position alone, as a hook does; then node b needs no orientation.
+until it opens, without a shock. With ``close``, and perhaps ``release``, it closes once, and opens at most once; it
+does not close while the command of its release holds. With ``while`` it closes whenever the condition becomes true and
+opens whenever it becomes false. With ``rotation: false`` it holds the position alone, as a hook does; then node b needs
+no orientation.
 """
 
 from dataclasses import replace
@@ -128,7 +129,7 @@ def _functions(layout, turns):
     def event_values(p, at, g):
         """Write the numbers of the events, from the commands to close and to open."""
         closing, opening = at.q[command], at.q[command + 1]
-        g[0] = closing
+        g[0] = min(closing, -opening) if p.duration == UNTIL_RELEASED else closing
         g[1] = opening if p.duration == UNTIL_RELEASED else NEVER
         g[2] = -closing if p.duration == WHILE else NEVER
 
@@ -160,6 +161,9 @@ def check(d, nodes):
     texts = [] if (d["close"] is None) != (d["while"] is None) else ["give either 'close' or 'while'"]
     if d["release"] is not None and d["while"] is not None:
         texts.append("'release' and 'while' exclude one another: it opens when the condition of 'while' is false")
+    closes, opens = ((d[name] or {}).get("time") for name in ("close", "release"))
+    if closes is not None and opens is not None and opens <= closes:
+        texts.append(f"'release.time' must be later than 'close.time', {closes:g} s")
     return texts + [text for name in ("close", "release") for text in check_trigger(name, d[name])]
 
 
