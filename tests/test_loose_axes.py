@@ -41,6 +41,30 @@ def test_an_axis_that_nothing_holds_is_warned_of(joints, reason):
     ]
 
 
+RELEASED = "bearing: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0], release: {time: 0.5}}"
+
+
+def test_an_angle_that_outlasts_its_bearing_is_warned_of():
+    found = [w for w in deck(DECK + f"      {RELEASED}\n").warnings if "can turn about any axis" in w.message]
+    assert [f"{w.mark}: {w.message}" for w in found] == [
+        "test.yaml:9:3: prescribed_angle 'drive': node 'pin' can turn about any axis, once 'bearing' is released; "
+        "the joint holds the angle about its axis alone: is a hinge missing?"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("acting", "end"),
+    [
+        ("loads: {motor: {type: joint_moment, joint: bearing, value: 3}}", "let its value become zero then"),
+        ("loads: {motor: {type: joint_moment, joint: bearing, value: '3 - bearing.angle'}}", ""),
+    ],
+)
+def test_a_motor_of_a_released_joint_is_warned_of(acting, end):
+    text = DECK.replace("      drive", "      # drive") + f"      {RELEASED}\n    {acting}\n"
+    found = [w.message for w in deck(text).warnings]
+    assert found == ([f"joint_moment 'motor': it acts on after the release of hinge 'bearing'; {end}"] if end else [])
+
+
 def test_a_gear_without_a_bearing_is_warned_of():
     (said,) = (w.message for w in input_deck("gears", "joints.bearing_c=null").warnings)
     assert said.startswith(

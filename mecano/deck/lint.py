@@ -193,6 +193,10 @@ def _joints(values, kinds):
         from mecano.deck.loose_axes import loose_axes
 
         yield from loose_axes(values, kinds)
+    if any(d.get("release") for d in values["joints"].values()):
+        from mecano.deck.loose_axes import acting_on_released
+
+        yield from acting_on_released(values, kinds)
     if any(kinds[d["type"]].counts_angles is not nothing for s in ("elements", "loads") for d in values[s].values()):
         from mecano.deck.idle_axes import idle_axes
 

@@ -36,8 +36,12 @@ def own_nodes(kind: Kind, values: "Values") -> list[str]:
 
 def element_nodes(kind: Kind, values: "Values") -> list[str]:
     """Return the names of the nodes of an element, joint or load: its own, then those of the joints that it names."""
-    joints = (joint for field in kind.fields for joint in _joints(field.type, values[field.name]))
-    return [*own_nodes(kind, values), *(name for joint in joints for name in joint["nodes"])]
+    return [*own_nodes(kind, values), *(name for joint in named_joints(kind, values) for name in joint["nodes"])]
+
+
+def named_joints(kind: Kind, values: "Values") -> "list[Values]":
+    """Return the checked values of the joints that an element, joint or load names."""
+    return [joint for field in kind.fields for joint in _joints(field.type, values[field.name])]
 
 
 def _joints(type_, value):
