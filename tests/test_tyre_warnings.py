@@ -91,6 +91,16 @@ def test_a_loaded_wheel_that_does_not_spin_is_warned_of(height, spin, warned):
     assert [expected in text for text in said] == [True] * warned
 
 
+def test_a_wheel_that_cannot_spin_is_warned_of():
+    """On a guide to the ground; not one that is locked on purpose, as that of icy_runway.yaml."""
+    guide = "joints.locked={type: prismatic, nodes: [ground, hub], axis: [1, 0, 0]}"
+    (said,) = (w for w in input_deck("icy_runway", guide).warnings if "turn" in w.message)
+    assert said.message == (
+        "wheel 'tire': its node 'hub' cannot turn, so the wheel slides; is a hinge about [0, 1, 0] missing?"
+    )
+    assert str(said.mark).endswith("icy_runway.yaml:14:3") and input_deck("icy_runway").warnings == ()
+
+
 def test_a_wheel_beside_its_bearing_or_without_one_is_warned_of():
     (said,) = warnings_of(prepare(input_deck("wheel_spin_up", "elements.tire.node=fork")))
     assert "lets node 'hub' spin, and nothing is on it: is the wheel meant to be there, not on 'fork'?" in said

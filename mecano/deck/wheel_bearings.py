@@ -23,6 +23,7 @@ def misplaced_bearings(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator
     """Yield (path, text) on wheels that turn about another axis than theirs, that nothing holds, beside a bearing."""
     wheels = _wheels(values, kinds)
     yield from _beside(values, kinds, wheels)
+    yield from _held(values, kinds, wheels)
     around = {name: _at_node(values, kinds, node, name) for name, (node, _) in wheels.items()}
     for name, (node, axis) in wheels.items():
         if not around[name] and (values["joints"] or any(around.values())):
@@ -55,6 +56,18 @@ def _beside(values, kinds, wheels):
             if held and other != GROUND and connected[next(iter(body([other])))] == 1 and not taken:
                 text = f"{d['type']} '{joint}' lets node '{other}' spin, and nothing is on it: is the wheel meant to be"
                 yield ("elements", name), f"{values['elements'][name]['type']} '{name}': {text} there, not on '{node}'?"
+
+
+def _held(values, kinds, wheels):
+    """Yield (path, text) on wheels that share the rotation of the ground, unless a joint does nothing but lock them."""
+    if not wheels:
+        return
+    body = bodies(values, kinds, turning_together)
+    for name, (node, axis) in wheels.items():
+        locked = any(all(slot[0] == "R" for slot in kind.layout) for _, kind, _ in _at_node(values, kinds, node, name))
+        if body([node]) == body([GROUND]) and not locked:
+            text = f"its node '{node}' cannot turn, so the wheel slides; is a hinge about {listed(axis)} missing?"
+            yield ("elements", name), f"{values['elements'][name]['type']} '{name}': {text}"
 
 
 def _wheels(values, kinds):
