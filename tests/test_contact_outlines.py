@@ -3,8 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
+from calls import calls
 
 from mecano.post.contact_outlines import LARGE, surface_outlines
+from mecano.post.runs import Run
 from mecano.post.shapes import Motion
 
 
@@ -14,7 +16,7 @@ def plane(path, others=(), **plane):
     places = {"foot": path[0], **{f"n{i}": np.array(place, float) for i, place in enumerate(others)}}
     deck = {"nodes": {name: {"position": list(place)} for name, place in places.items()}}
     motion = SimpleNamespace(
-        nodes=list(places), run=SimpleNamespace(deck=deck), path=lambda node: path, position=lambda node: path
+        nodes=list(places), run=Run(SimpleNamespace(resolved=deck)), path=lambda node: path, position=lambda node: path
     )
     [line] = surface_outlines(motion, {"nodes": ["ground", "foot"], "plane": plane}, 0.0)
     return line[0]
@@ -57,13 +59,32 @@ def test_contacts_with_one_plane_share_its_outline():
     }
     deck = {"nodes": {name: {"position": list(path[0])} for name, path in places.items()}, "joints": contacts}
     motion = SimpleNamespace(
-        nodes=list(places), run=SimpleNamespace(deck=deck), path=places.__getitem__, position=places.__getitem__
+        nodes=list(places),
+        run=Run(SimpleNamespace(resolved=deck)),
+        path=places.__getitem__,
+        position=places.__getitem__,
     )
     [first], second, [other] = (surface_outlines(motion, d, 0.0) for d in contacts.values())
     room = LARGE * 1.0
     np.testing.assert_allclose(np.sort(first[0][:, 0]), (-room, 1.0 + room), atol=1e-12)
     assert not second
     np.testing.assert_allclose(np.sort(other[0][:, 0]), (1.0 - room, 1.0 + room), atol=1e-12)
+
+
+def calls_for_feet(n):
+    """How many calls draw the contacts of ``n`` feet on one floor."""
+    places = {f"foot{i}": np.array([[float(i), 0.0, 0.1]]) for i in range(n)}
+    floor = {"normal": [0.0, 0.0, 1.0], "point": [0.0, 0.0, 0.0]}
+    contacts = {node: {"nodes": ["ground", node], "plane": floor} for node in places}
+    deck = {"nodes": {name: {"position": list(path[0])} for name, path in places.items()}, "elements": contacts}
+    run = Run(SimpleNamespace(resolved=deck))
+    motion = SimpleNamespace(nodes=list(places), run=run, path=places.__getitem__, position=places.__getitem__)
+    return calls(lambda: [surface_outlines(motion, d, 0.0) for d in contacts.values()])
+
+
+def test_the_work_for_contacts_with_one_plane_is_proportional_to_their_number():
+    few, some, many = map(calls_for_feet, (50, 100, 200))
+    assert many - some == 2 * (some - few)
 
 
 def test_a_path_on_a_table_that_turns_is_that_seen_from_the_table():

@@ -29,8 +29,8 @@ def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     """
     if d["nodes"][1] not in motion.nodes:
         return []
-    places = _places(motion)
-    _, (_, across, along) = _directions(d, places)
+    places = motion.run.places
+    _, (_, across, along) = _directions(motion, d)
     if d.get("ellipsoid"):
         return [*surface_outlines(motion, d, max(d["ellipsoid"]["semi_axes"])), *_ellipsoid(motion, d, places)]
     if d.get("face"):
@@ -41,17 +41,17 @@ def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
 
 def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np.ndarray]:
     """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m]: of b."""
-    (a, b), (name, surface), places = d["nodes"], named_surface(d), _places(motion)
-    middle, (main, across, along) = _directions(d, places)
+    (a, b), (name, surface), places = d["nodes"], named_surface(d), motion.run.places
+    middle, (main, across, along) = _directions(motion, d)
     if name == "revolution":
         lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
     elif name == "cam":
         lines = [_cam(motion.run.deck, surface)]
     elif name == "plane":
-        others = _in_plane(motion, d, places)
-        if others and others[0] != d:
+        alike = motion.run.contacts_in_planes.get(id(d), [d])
+        if alike[0] is not d:
             return []  # the first of these contacts draws the plane of all
-        nodes = dict.fromkeys([b, *(other["nodes"][1] for other in others)])
+        nodes = dict.fromkeys(other["nodes"][1] for other in alike)
         paths = [_path(motion, a, node, places) - middle for node in nodes]
         lines = [_plane(paths, np.stack([main, across, along]), radius, np.stack(list(places.values())))]
     else:
@@ -66,26 +66,20 @@ def _path(motion, a, b, places):
     return motion.path(b) if a not in motion.nodes else motion.path_from(a, b) + places[a]
 
 
-def _in_plane(motion, d, places):
-    """Return the deck values of all contacts with the plane of that with the values ``d``, in the order of the deck."""
-
-    def plane_of(values):
-        normal = unit(values["plane"]["normal"])
-        point = values["plane"].get("point")
-        return normal, float(normal @ (places[a] if point is None else np.array(point, float)))
-
-    a = d["nodes"][0]
-    normal, height = plane_of(d)
-    found = [
-        other
-        for section in SECTIONS
-        for other in motion.run.deck.get(section, {}).values()
-        if other.get("plane") and other["nodes"][0] == a
-    ]
-    return [
-        other for other in found
-        if np.allclose(plane_of(other)[0], normal, atol=SAME) and abs(plane_of(other)[1] - height) <= SAME
-    ]  # fmt: skip
+def contacts_in_planes(deck: "Values") -> dict[int, list["Values"]]:
+    """Return the deck values of all contacts with the same plane on the same node a, by the ``id`` of each of them."""
+    groups: dict[str, list[tuple[np.ndarray, list[Values]]]] = {}
+    for d in (d for section in SECTIONS for d in deck.get(section, {}).values() if d.get("plane")):
+        a, point = d["nodes"][0], d["plane"].get("point")
+        normal = unit(d["plane"]["normal"])
+        plane = np.append(normal, normal @ np.array(deck["nodes"][a]["position"] if point is None else point, float))
+        alike = groups.setdefault(a, [])
+        contacts = next((contacts for other, contacts in alike if np.abs(other - plane).max() <= SAME), None)
+        if contacts is None:
+            alike.append((plane, [d]))
+        else:
+            contacts.append(d)
+    return {id(d): contacts for alike in groups.values() for _, contacts in alike for d in contacts}
 
 
 def _plane(paths, axes, radius, places):
@@ -107,17 +101,13 @@ def _plane(paths, axes, radius, places):
     return np.array([(c, e), (d, e), (d, f), (c, f), (c, e)]) @ axes[1:]
 
 
-def _places(motion):
-    return {node: np.array(values["position"], float) for node, values in motion.run.deck["nodes"].items()}
-
-
-def _directions(d, places):
+def _directions(motion, d):
     """Return the middle of the surface, and its normal or axis with the directions across and along the lines."""
-    (a, b), (name, surface) = d["nodes"], named_surface(d)
+    (a, b), (name, surface), places = d["nodes"], named_surface(d), motion.run.places
     middle = surface.get("point", surface.get("center"))
     middle = places[a] if middle is None else np.array(middle, float)
     main = unit(surface.get("normal", surface.get("axis", places[b] - middle)))
-    extent = np.ptp(np.stack(list(places.values())), axis=0)
+    extent = motion.run.extent
     round_it = name in ("cylinder", "cam")  # seen along its axis
     across = main if round_it else _across(main, extent)
     return middle, (main, across, np.cross(across, _across(main, extent) if round_it else main))

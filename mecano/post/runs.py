@@ -56,6 +56,23 @@ class Run:
             found |= {f"{section}/{piece}": d for piece in piece_names(name, d)}
         return found
 
+    @cached_property
+    def places(self) -> dict[str, np.ndarray]:
+        """Positions (3,) [m] of the nodes in the deck."""
+        return {name: np.array(values["position"], float) for name, values in self.deck["nodes"].items()}
+
+    @cached_property
+    def extent(self) -> np.ndarray:
+        """Extent (3,) [m] of the nodes in the deck along the inertial axes."""
+        return np.ptp(np.stack(list(self.places.values())), axis=0)
+
+    @cached_property
+    def contacts_in_planes(self) -> "dict[int, list[Values]]":
+        """Deck values of all contacts with one plane, by the ``id`` of those of each of them."""
+        from mecano.post.contact_outlines import contacts_in_planes  # few models have contacts
+
+        return contacts_in_planes(self.deck)
+
     def display(self, d: "Values") -> Display:
         """Return the Display of the kind of an element, joint or load with the deck values ``d``."""
         return self.results.displays.get(d["type"], Display())

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
-    "_table time events _subjects steps extremes resolved displays metadata _run_attributes automatic model "
+    "_table series time events _subjects steps extremes resolved displays metadata _run_attributes automatic model "
     "resumptions warnings checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
@@ -137,7 +137,7 @@ class Results(ByName):
     def _lookup(self):
         return Lookup(self._layout.series)
 
-    @property
+    @cached_property
     def series(self) -> dict[str, Series]:
         """Declarations of all series: path -> Series with unit, description and shape."""
         return {one.path: one for one in self._layout.series}
