@@ -1,12 +1,10 @@
 """Coordinates of several joints in one constraint: angles, any number of turns, and displacements.
 
 The local unknowns are those of the angles, two rotations each, then those of the displacements, with ``x0``, ``R0`` and
-``x1`` of their nodes, then the multiplier. The memory has the angles.
+``x1`` of their nodes, then the multiplier. The memory has the angles. Coordinates are numbered in the same order.
 """
 
 from collections import namedtuple
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -53,58 +51,39 @@ def row_of(p):
 def commit(p, at, m_out):
     """Write the angles."""
     for i in range(len(p.mu)):
-        axes, place = turning(p, at, i)
-        m_out[i] = angle(axes, place)
+        m_out[i] = value_of(p, at, i)
 
 
-class JointCoordinate(NamedTuple):
-    """Compiled functions of one of the coordinates."""
-
-    value: Callable  # (p, at) -> value
-    rate: Callable  # (p, at) -> rate
-    add: Callable  # (p, at, f, load): add a load along it
-
-
-def angle_of(i):
-    """Return the JointCoordinate of angle i."""
-
-    @kernel
-    def value(p, at):
+@kernel
+def value_of(p, at, i):
+    """Return the value of coordinate i."""
+    if i < len(p.mu):
         axes, place = turning(p, at, i)
         return angle(axes, place)
+    axes, place = sliding(p, at, i - len(p.mu))
+    return displacement(axes, place)
 
-    @kernel
-    def rate(p, at):
+
+@kernel
+def rate_along(p, at, i):
+    """Return the rate of coordinate i."""
+    if i < len(p.mu):
         axes, place = turning(p, at, i)
         return rate_of(along_angle(axes, place), place.v)
+    axes, place = sliding(p, at, i - len(p.mu))
+    return rate_of(along_displacement(axes, place), place.v)
 
-    @kernel
-    def add(p, at, f, load):
+
+@kernel
+def add_load(p, at, f, i, load):
+    """Add a load along coordinate i."""
+    turns = len(p.mu)
+    if i < turns:
         axes, place = turning(p, at, i)
         add_along(f[6 * i :], load, along_angle(axes, place))
-
-    return JointCoordinate(value, rate, add)
-
-
-def displacement_of(i):
-    """Return the JointCoordinate of displacement i."""
-
-    @kernel
-    def value(p, at):
-        axes, place = sliding(p, at, i)
-        return displacement(axes, place)
-
-    @kernel
-    def rate(p, at):
-        axes, place = sliding(p, at, i)
-        return rate_of(along_displacement(axes, place), place.v)
-
-    @kernel
-    def add(p, at, f, load):
-        axes, place = sliding(p, at, i)
-        add_along(f[6 * len(p.mu) + 9 * i :], load, along_displacement(axes, place))
-
-    return JointCoordinate(value, rate, add)
+    else:
+        axes, place = sliding(p, at, i - turns)
+        add_along(f[6 * turns + 9 * (i - turns) :], load, along_displacement(axes, place))
 
 
 def axes_of(turns, slides):

@@ -30,16 +30,15 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.body_fixed import whole_turns
-from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_coordinates import (
-    along_angle,
-    along_displacement,
+    add_load,
     angle_in_turn,
     axes_of,
     declarations,
     displacement,
+    rate_along,
     row_of,
     sliding,
     turning,
@@ -73,25 +72,15 @@ def _sum_with(factor):
     @kernel
     def rate(p, at):
         """Return the rate of the sum, a number of the type of q."""
-        turns = len(p.mu)
         total = 0.0 * number(at.q[row_of(p)])
-        for i in range(turns):
-            axes, place = turning(p, at, i)
-            total = total + factor(p, i) * rate_of(along_angle(axes, place), place.v)
-        for i in range(len(p.along)):
-            axes, place = sliding(p, at, i)
-            total = total + factor(p, turns + i) * rate_of(along_displacement(axes, place), place.v)
+        for i in range(len(p.ratios)):
+            total = total + factor(p, i) * rate_along(p, at, i)
         return total
 
     @kernel
     def add(p, at, f, load):
-        turns = len(p.mu)
-        for i in range(turns):
-            axes, place = turning(p, at, i)
-            add_along(f[6 * i :], factor(p, i) * load, along_angle(axes, place))
-        for i in range(len(p.along)):
-            axes, place = sliding(p, at, i)
-            add_along(f[6 * turns + 9 * i :], factor(p, turns + i) * load, along_displacement(axes, place))
+        for i in range(len(p.ratios)):
+            add_load(p, at, f, i, factor(p, i) * load)
 
     return rate, add
 

@@ -22,7 +22,7 @@ from functools import cache
 
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.joint_coordinates import angle_of, axes_of, declarations, displacement_of, row_of
+from mecano.constraints.joint_coordinates import add_load, axes_of, declarations, rate_along, row_of, value_of
 from mecano.constraints.joint_samples import two_places
 from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
@@ -45,28 +45,26 @@ def _function(p, laws, s):
 
 
 def _functions(first, second):
-    """Return the compiled functions of a Kind with these JointCoordinates c_1 and c_2."""
-    value_1, rate_1, add_1 = first
-    value_2, rate_2, add_2 = second
+    """Return the compiled functions of a Kind whose coordinates c_1 and c_2 have these numbers."""
 
     @kernel
     def relation(p, at):
         """Return the value of the constraint and the slope of the function."""
-        y, slope = _function(p, at.laws, value_2(p, at) + p.shift)
-        return value_1(p, at) - y - p.offset, slope
+        y, slope = _function(p, at.laws, value_of(p, at, second) + p.shift)
+        return value_of(p, at, first) - y - p.offset, slope
 
     @kernel
     def residual(p, at, f):
         row, (Phi, slope) = row_of(p), relation(p, at)
         f[row] -= at.k * Phi
         load = -number(at.q[row]) + at.penalty * Phi
-        add_1(p, at, f, load)
-        add_2(p, at, f, -slope * load)
+        add_load(p, at, f, first, load)
+        add_load(p, at, f, second, -slope * load)
 
     @kernel
     def constraints(p, at, g):
         Phi, slope = relation(p, at)
-        g[0, 0], g[0, 1] = Phi, rate_1(p, at) - slope * rate_2(p, at)
+        g[0, 0], g[0, 1] = Phi, rate_along(p, at, first) - slope * rate_along(p, at, second)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -147,15 +145,13 @@ def sample(rng):
 def _with_coordinates(slides):
     """Return the Kind of two coordinates, which are displacements or not."""
     nodes = [[2 * i for i in (0, 1) if slides[i] is wanted] for wanted in (False, True)]
-    coordinates = [
-        (displacement_of if slide else angle_of)(nodes[slide].index(2 * i)) for i, slide in enumerate(slides)
-    ]
+    numbers = [sum(nodes, []).index(2 * i) for i in (0, 1)]
     of = [SLIDE if slide else TWIST for slide in slides]
     own = {"function": "i", "period": (), "rise": (), "shift": (), "offset": ()}
     loads = tuple(
         Output(f"load_{i}", c.load[1], f"{c.load[0]} along c_{i}, > 0 increases it") for i, c in enumerate(of, 1)
     )
-    given = {**_functions(*coordinates), **declarations(*nodes, of[0], **own)}
+    given = {**_functions(*numbers), **declarations(*nodes, of[0], **own)}
     return Kind(**{**DECLARED, "outputs": loads, **given})
 
 
