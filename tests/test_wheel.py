@@ -213,7 +213,7 @@ def test_the_slope_of_newtons_iteration_is_exact():
 
     def residual(delta):
         H, H1, H2 = curve_at(SINE, 0.7 + delta)
-        return surface.foot_residual(n0, d, a, 0.5, delta, H, H1, H2)
+        return surface.foot_residual(None, n0, d, a, 0.5, delta, H, H1, H2)
 
     for delta in rng.uniform(-0.3, 0.3, size=5):
         difference = (residual(delta + h)[0] - residual(delta - h)[0]) / (2 * h)

@@ -79,18 +79,6 @@ def _lever_of_torus(p, s, s1, q2, height, height1):
     return middle * s / q, middle * s1 / (q2 * q)
 
 
-@kernel
-def _contact_of_disc(p, n, height, a):
-    """Return the Contact of a disc with the tangent plane."""
-    return disc_contact(n, height, a)
-
-
-@kernel
-def _contact_of_torus(p, n, height, a):
-    """Return the Contact of a torus with the tangent plane."""
-    return torus_contact(p.radius, p.crown, n, height, a)
-
-
 def touching_by(lever_of, contact_of):
     """Return the kernel that gives the Contact of a wheel with the surface of a body."""
 
@@ -139,8 +127,8 @@ def touching_by(lever_of, contact_of):
     return touch_carried
 
 
-touch_carried = touching_by(_lever_of_disc, _contact_of_disc)
-touch_carried_round = touching_by(_lever_of_torus, _contact_of_torus)
+touch_carried = touching_by(_lever_of_disc, disc_contact)
+touch_carried_round = touching_by(_lever_of_torus, torus_contact)
 
 
 def carried_record(d, nodes):

@@ -152,11 +152,12 @@ def profile_at(laws, height, sigma):
     return chain(sigma, H, H1), chain(sigma, H1, H2), H2
 
 
-def foot_on_profile(residual):
-    """Return the kernel that finds the contact with a profile, where ``residual`` is zero: its normal, and the height.
+def touch_on_profile(residual, contact_of):
+    """Return the kernel that gives the Contact (surface.py) of a ground with a wheel.
 
-    ``residual(p, n0, d, a, z, delta, H, H1, H2)`` returns it and its derivative by ``delta``; the height [m] is that of
-    the centre above the plane through the contact.
+    ``residual(p, n0, d, a, z, delta, H, H1, H2)`` returns what is zero at the contact, and its derivative by ``delta``;
+    ``contact_of(p, n, height, a)`` the Contact, from the normal there and the height [m] of the centre above the plane
+    through it.
     """
 
     @kernel
@@ -175,7 +176,11 @@ def foot_on_profile(residual):
         return delta
 
     @kernel
-    def foot(p, laws, x, a):
+    def touch(p, laws, x, a):
+        """Return the Contact of the ground with record ``p`` and a wheel of centre ``x`` and unit axis ``a``.
+
+        ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
+        """
         n0, d = vec(p.normal, 0), vec(p.direction, 0)
         X = x - vec(p.point, 0)
         z, centre = dot(n0, X), dot(d, X)
@@ -185,29 +190,12 @@ def foot_on_profile(residual):
         r, slope = residual(p, n0, d, a, z, delta, H, H1, value(H2))
         delta = implicit(delta, r, value(slope))
         H, H1, _ = profile_at(laws, p.height, centre + delta)
-        return profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1)
+        return contact_of(p, profile_normal(n0, d, H1), (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
 
-    return foot
-
-
-@kernel
-def _residual_of_disc(p, n0, d, a, z, delta, H, H1, H2):
-    """Return the residual of a thin disc, see ``foot_on_profile``."""
-    return foot_residual(n0, d, a, z, delta, H, H1, H2)
+    return touch
 
 
-_FOOT = foot_on_profile(_residual_of_disc)
-
-
-@kernel
-def touch(p, laws, x, a):
-    """Return the Contact (see surface.py) of the ground with record ``p`` and a disc of centre ``x`` and unit axis
-    ``a``.
-
-    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
-    """
-    normal, height = _FOOT(p, laws, x, a)
-    return disc_contact(normal, height, a)
+touch = touch_on_profile(foot_residual, disc_contact)
 
 
 def normal_and_level(rng):

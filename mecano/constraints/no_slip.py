@@ -23,7 +23,7 @@ CONTACT, AIR = 0, 1  # phases
 def on_a_plane(p, R):
     """Return the unit vectors t and l (surface.py) for a body axis on a plane."""
     axis = mat(R[0]) @ vec(p.axis, 0)
-    return directions(axis, disc_contact(vec(p.normal, 0), 0.0, axis))
+    return directions(axis, disc_contact(p, vec(p.normal, 0), 0.0, axis))
 
 
 def leaning(rng):

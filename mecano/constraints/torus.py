@@ -17,7 +17,7 @@ The distance of M from the ground is stationary for both points, so that the fir
 On a profile the position of P along it is implicit, as that of the contact of a disc.
 """
 
-from mecano.constraints.ground import foot_on_profile
+from mecano.constraints.ground import touch_on_profile
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.surface import LEAST_Q, Contact
@@ -25,17 +25,18 @@ from mecano.maths.vector import dot
 
 
 @kernel
-def torus_contact(radius, crown, n, height, a):
+def torus_contact(p, n, height, a):
     """Return the Contact of a torus of unit axis ``a`` with a plane of unit normal n; its r is the radius minus w.
 
-    ``radius`` [m] is that of the middle circle plus the ``crown`` radius [m]; ``height`` [m]: of the centre.
+    The record ``p`` has the ``radius`` [m], that of the middle circle plus the ``crown`` radius [m]; ``height`` [m]: of
+    the centre.
     """
     s = dot(n, a)
     m = n - s * a
     q = at_least(sqrt(dot(m, m)), LEAST_Q)
-    c, middle = -m / q, radius - crown
-    w = middle * q - (height - crown)
-    return Contact(n, c, s, q, radius - w, middle * c - (crown - w) * n)
+    c, middle = -m / q, p.radius - p.crown
+    w = middle * q - (height - p.crown)
+    return Contact(n, c, s, q, p.radius - w, middle * c - (p.crown - w) * n)
 
 
 @kernel
@@ -56,14 +57,4 @@ def _residual(p, n0, d, a, z, delta, H, H1, H2):
     return residual, middle * (turned_along + H1 * turned_up) - 1.0 + H2 * above - H1 * H1
 
 
-_FOOT = foot_on_profile(_residual)
-
-
-@kernel
-def touch_torus(p, laws, x, a):
-    """Return the Contact of the ground with record ``p`` and a torus of centre ``x`` and unit axis ``a``.
-
-    ``p`` has GROUND_RECORD and the ``radius`` [m] with the crown.
-    """
-    normal, height = _FOOT(p, laws, x, a)
-    return torus_contact(p.radius, p.crown, normal, height, a)
+touch_torus = touch_on_profile(_residual, torus_contact)

@@ -46,11 +46,12 @@ def profile_normal(n0, d, H1):
 
 
 @kernel
-def foot_residual(n0, d, a, z, delta, H, H1, H2):
+def foot_residual(p, n0, d, a, z, delta, H, H1, H2):
     """Return d.(r c) - delta, which is zero at the contact, and its derivative with respect to delta.
 
     ``delta`` [m] is sigma minus that of the centre, ``z`` [m] the height of the centre above the plane; H, H1, H2 are
-    evaluated at sigma. Written with the normal N = n0 - H1 d, which is not of unit length.
+    evaluated at sigma. Written with the normal N = n0 - H1 d, which is not of unit length. A disc needs nothing of the
+    record ``p``, as a torus (constraints/torus.py) does.
     """
     N = n0 - H1 * d
     M = N - dot(N, a) * a
@@ -62,7 +63,7 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
 
 
 @kernel
-def disc_contact(n, height, a):
+def disc_contact(p, n, height, a):
     """Return the Contact of a disc with unit axis ``a`` and its centre ``height`` = (x - P).n [m] above the ground."""
     s = dot(n, a)
     m = n - s * a

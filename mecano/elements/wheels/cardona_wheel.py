@@ -51,7 +51,7 @@ def observe(p, at, F, y, e):
     """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
     Rn, n = mat(at.R[0]), vec(p.normal, 0)
     axis = Rn @ vec(p.axis, 0)
-    g = disc_contact(n, p.radius, axis)
+    g = disc_contact(p, n, p.radius, axis)
     push = number(at.q[HEIGHT]), number(at.q[DRIVING]), number(at.q[LATERAL])
     spin = dot(Rn @ vec(at.v, 3), axis)
     put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, spin, g.r * g.q))

@@ -32,13 +32,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.torus import torus_contact
 from mecano.elements.wheels.slip_law import default_values
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_values
 from mecano.laws.table import breakpoints, curve_and_slope
 from mecano.maths.dual import at_least, select, sqrt, value
-from mecano.maths.surface import disc_contact
 from mecano.maths.vector import cross, dot, vec
 from mecano.schema import NUMBER, Field, mapping, not_negative, positive, share
 
@@ -265,20 +263,19 @@ def plane_by(height):
 SQUARE, CROSSING = plane_by(squarely), plane_by(at_an_angle)
 
 
-@kernel
-def flat_contact_with(p, e, a):
-    """Return the Contact of a wheel of the axis a with its EffectivePlane ``e``."""
-    length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
-    n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
-    return disc_contact(n, e.above / length, a)
+def contact_with(contact_of):
+    """Return the kernel that gives the Contact of a wheel of the axis a with its EffectivePlane ``e``.
 
+    ``contact_of(p, n, height, a)`` is that of its tread with a plane.
+    """
 
-@kernel
-def round_contact_with(p, e, a):
-    """Return the same for a rounded tread."""
-    length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
-    n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
-    return torus_contact(p.radius, p.crown, n, e.above / length, a)
+    @kernel
+    def contact(p, e, a):
+        length = sqrt(1.0 + e.slope * e.slope + e.across * e.across)
+        n = (vec(p.normal, 0) - e.slope * e.t - e.across * e.l) / length
+        return contact_of(p, n, e.above / length, a)
+
+    return contact
 
 
 @kernel

@@ -41,6 +41,7 @@ from mecano.elements.wheels.tire_wheel import (
     check_wheel,
     large_wheel,
     prepare_wheel,
+    put_depths,
     put_tire,
     range_of_law,
 )
@@ -167,11 +168,8 @@ def event_values_with(tread_on_ground):
 
     @kernel
     def event_values(p, at, g):
-        """Write w for the touch-down, -w for the lift-off [m]."""
         axis = mat(at.R[0]) @ vec(p.axis, 0)
-        contact = tread_on_ground(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis).g
-        g[0] = p.radius - contact.r
-        g[1] = contact.r - p.radius
+        put_depths(g, p, tread_on_ground(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis).g)
 
     return event_values
 

@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import end_conditions
+from mecano.constraints.torus import torus_contact
 from mecano.constraints.tread import flat, flat_on_ground, rounded, rounded_on_ground
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.enveloping import flat_contact_with, rise_of_plane, round_contact_with
+from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
@@ -25,13 +26,14 @@ from mecano.elements.wheels.tire_wheel import (
     TYRE_DISPLAY,
     Grip,
     large_wheel,
+    put_depths,
     put_tire,
     range_of_law,
 )
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, sqrt
-from mecano.maths.surface import Contact, directions
+from mecano.maths.surface import Contact, directions, disc_contact
 from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 
 OUTPUTS = (
@@ -61,24 +63,34 @@ class Rolling(NamedTuple):
     rise: float  # velocity of the surface along its normal at C [m/s]
 
 
-def on_ground(tread):
-    """Return the kernels that give the Rolling and the event values of a wheel with a ``tread`` on its ground."""
+def rolling_where(place):
+    """Return the kernels that give the Rolling and the event values of a wheel.
+
+    ``place(p, at)`` returns its axis, its Tread, and the velocity [m/s] of the surface along its normal.
+    """
 
     @kernel
     def rolling(p, at, touching):
         """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the tread."""
-        x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
-        k = tread(p, at.laws, x, axis)
-        return rolling_on(p, at, touching, k, axis, surface_at(p, at, k.g.n, x + k.g.arm), 0.0, 0.0)
+        axis, k, rise = place(p, at)
+        return rolling_on(p, at, touching, k, axis, surface_at(p, at, k.g.n, vec(at.q, 0) + k.g.arm), rise, 0.0)
 
     @kernel
     def event_values(p, at, g):
-        """Write w for the touch-down, -w for the lift-off [m]."""
-        contact = tread(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).g
-        g[0] = p.radius - contact.r
-        g[1] = contact.r - p.radius
+        put_depths(g, p, place(p, at)[1].g)
 
     return rolling, event_values
+
+
+def on_ground(tread):
+    """Return the kernels of ``rolling_where`` of a wheel with a ``tread`` on its ground."""
+
+    @kernel
+    def place(p, at):
+        axis = mat(at.R[0]) @ vec(p.axis, 0)
+        return axis, tread(p, at.laws, vec(at.q, 0), axis), 0.0
+
+    return rolling_where(place)
 
 
 ON_FLAT, ON_ROUND = on_ground(flat_on_ground), on_ground(rounded_on_ground)
@@ -86,33 +98,17 @@ ON_FLAT, ON_ROUND = on_ground(flat_on_ground), on_ground(rounded_on_ground)
 
 @cache
 def enveloping_on(plane, crowned):
-    """Return the kernels that give the Rolling and the event values of a wheel on the effective ``plane`` of cams.
-
-    ``crowned``: with a rounded tread.
-    """
-    contact_with, tread = (round_contact_with, rounded) if crowned else (flat_contact_with, flat)
+    """Return the kernels of ``rolling_where`` of a wheel on the effective ``plane`` of cams, perhaps ``crowned``."""
+    contact_of, tread = (contact_with(torus_contact), rounded) if crowned else (contact_with(disc_contact), flat)
 
     @kernel
-    def effective(p, at):
-        """Return the axis of the wheel, its plane and its Contact."""
+    def place(p, at):
         axis = mat(at.R[0]) @ vec(p.axis, 0)
         found = plane(p, at.laws, vec(at.q, 0), axis, vec(at.v, 0), mat(at.R[0]) @ vec(at.v, 3))
-        return axis, found, contact_with(p, found, axis)
+        g = contact_of(p, found, axis)
+        return axis, tread(p, g), rise_of_plane(found, g, vec(at.v, 0))
 
-    @kernel
-    def enveloping(p, at, touching):
-        axis, found, g = effective(p, at)
-        rise, surface = rise_of_plane(found, g, vec(at.v, 0)), surface_at(p, at, g.n, vec(at.q, 0) + g.arm)
-        return rolling_on(p, at, touching, tread(p, g), axis, surface, rise, 0.0)
-
-    @kernel
-    def effective_event_values(p, at, g):
-        """Write the depths of ``event_values`` below the effective plane."""
-        _, _, contact = effective(p, at)
-        g[0] = p.radius - contact.r
-        g[1] = contact.r - p.radius
-
-    return enveloping, effective_event_values
+    return rolling_where(place)
 
 
 def contact_of(law):

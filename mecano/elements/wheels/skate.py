@@ -34,7 +34,7 @@ def _contact(p, at):
 def observe(p, at, F, y, e):
     """Write reaction and speed."""
     axis = mat(at.R[0]) @ vec(p.axis, 0)
-    g = disc_contact(vec(p.normal, 0), 0.0, axis)
+    g = disc_contact(p, vec(p.normal, 0), 0.0, axis)
     along, across = directions(axis, g)
     y[0] = number(at.q[LATERAL])
     put(y, 1, number(at.q[LATERAL]) * across)

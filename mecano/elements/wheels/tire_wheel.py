@@ -76,6 +76,12 @@ def put_tire(p, at, wheel, grip, y, e):
     return touching
 
 
+@kernel
+def put_depths(g, p, contact):
+    """Write the values of EVENTS [m]: the depth of the undeformed rim below the ground at its Contact, and back."""
+    g[0], g[1] = p.radius - contact.r, contact.r - p.radius
+
+
 def prepare_wheel(d, nodes, context):
     """Return the record: axis in the node's frame, ground, radial law."""
     return {

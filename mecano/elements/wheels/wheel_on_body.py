@@ -54,7 +54,7 @@ from mecano.elements.wheels.rolling_contact import (
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
-from mecano.elements.wheels.tire_wheel import AIR, CONTACT, deepest, large_wheel
+from mecano.elements.wheels.tire_wheel import AIR, CONTACT, deepest, large_wheel, put_depths
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant
 from mecano.maths.surface import directions
@@ -89,10 +89,7 @@ def on_surface(touch, tread):
 
     @kernel
     def event_values(p, at, g):
-        """Write w for the touch-down, -w for the lift-off [m]."""
-        contact, _, _ = touching_at(p, at)
-        g[0] = p.radius - contact.r
-        g[1] = contact.r - p.radius
+        put_depths(g, p, touching_at(p, at)[0])
 
     return rolling, event_values
 
