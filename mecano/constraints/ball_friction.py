@@ -8,7 +8,7 @@ With the force F that the joint transmits, the radius r, the relative angular ve
 on a along w, on b against it: the ball bears at one point, assumed where the sliding speed is largest.
 """
 
-from mecano.constraints.along_coordinate.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
+from mecano.constraints.along_coordinate.friction import FRICTION_RECORD, POWER, REGULARIZED
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.element_interface import Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
@@ -42,11 +42,6 @@ def observe(p, at, F, y, e):
     y[0] = norm(moment)
     y[2] = dot(moment, w)
     e[2] = y[2]
-
-
-def ball_friction_record(friction, context):
-    """Return the record from the deck's friction."""
-    return {"radius": friction["radius"], **friction_record(friction, context)}
 
 
 BALL_FRICTION = Kind(

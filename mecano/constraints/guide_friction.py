@@ -24,34 +24,31 @@ from mecano.constraints.along_coordinate.friction import (
     REGULARIZED,
     drag,
     friction_kind,
-    friction_record,
     pads,
 )  # fmt: skip
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.coordinates.slide import SLIDE
-from mecano.constraints.coordinates.twist import twist_gradient
+from mecano.constraints.coordinates.slide import SLIDE, slide_gradient
+from mecano.constraints.coordinates.twist import TWIST, twist_gradient
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
 from mecano.maths.dual import sqrt
 from mecano.maths.vector import vec
 
-slide_along = SLIDE.gradient
-ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
-
 
 @kernel
 def _keyed_load(p, at, rate):
     """Return P [N] at this sliding velocity, and N + |M_3|/r_k [N]."""
-    N = pads(at.q[12], at.q[13], at.q[9], at.q[10], p.inverse_length) + p.inverse_key * abs(at.q[11])
+    N = pads(at.q[12], at.q[13], at.q[9], at.q[10], p.inverse_length) + p.inverse_key_radius * abs(at.q[11])
     return N * drag(p, at.laws, rate), N
 
 
 @kernel
-def _turn_along(p, at):
-    b_0, b_1 = twist_gradient(relative_rotation(at), vec(p.mu, 0), vec(p.xi, 0))
-    return (3, b_0), (9, b_1)
+def _gradients(p, at):
+    """Return the gradients of sliding and turning by blocks of the local unknowns."""
+    b_0, b_1 = twist_gradient(relative_rotation(at), vec(p.mu[2], 0), vec(p.xi[2], 0))
+    return slide_gradient(at, vec(p.mu[2], 0)), ((3, b_0), (9, b_1))
 
 
 @kernel
@@ -65,7 +62,7 @@ def _round_friction(p, at, rate, turn):
 @kernel
 def round_residual(p, at, f):
     """Add opposite forces and moments to both nodes."""
-    along, about = slide_along(p, at), _turn_along(p, at)
+    along, about = _gradients(p, at)
     P, M, _ = _round_friction(p, at, rate_of(along, at.v), rate_of(about, at.v))
     add_along(f, P, along)
     add_along(f, M, about)
@@ -74,34 +71,22 @@ def round_residual(p, at, f):
 @kernel
 def round_observe(p, at, F, y, e):
     """Write force, moment, normal force, power."""
-    rate, turn = rate_of(slide_along(p, at), at.v), rate_of(_turn_along(p, at), at.v)
+    along, about = _gradients(p, at)
+    rate, turn = rate_of(along, at.v), rate_of(about, at.v)
     P, M, N = _round_friction(p, at, rate, turn)
     y[0], y[1], y[2], y[3] = P, M, N, P * rate + M * turn
     e[2] = P * rate + M * turn
 
 
-def keyed_record(place, friction, context):
-    """Return the record of a prismatic joint at ``place`` (pair.py) with the deck's friction."""
-    key = friction["key_radius"]
-    inverse = 0.0 if key is None else 1.0 / key
-    return {"mu": place["mu"][2], "inverse_key": inverse, **friction_record(friction, context)}
-
-
-def round_record(place, friction, context):
-    """Return the record of a cylindrical joint at ``place`` (pair.py) with the deck's friction."""
-    axes = {"mu": place["mu"][2], "xi": place["xi"][2]}
-    return {**axes, "radius": friction["radius"], **friction_record(friction, context)}
-
-
 KEYED_FRICTION = friction_kind(
-    "keyed_friction", __doc__ + PADS + REGULARIZED, SLIDE, {"inverse_key": ()},
+    "keyed_friction", __doc__ + PADS + REGULARIZED, SLIDE, {"inverse_key_radius": ()},
     (*AXIS_ROWS, Row("moment about the axis", "N m", "rad"), *FORCE_ROWS[:2]), FRICTION_FORCE, _keyed_load,
 )  # fmt: skip
 
 ROUND_FRICTION = Kind(
     name="round_friction",
     doc=__doc__ + PADS + REGULARIZED,
-    dtype=ROUND_RECORD,
+    dtype=record(radius=(), **TWIST.axes, **FRICTION_RECORD),
     layout=("x0", "R0", "x1", "R1"),
     coupled_multipliers=(*AXIS_ROWS, *FORCE_ROWS[:2]),
     outputs=(FRICTION_FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),

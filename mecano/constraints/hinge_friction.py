@@ -14,7 +14,6 @@ from mecano.constraints.along_coordinate.friction import (
     REGULARIZED,
     drag,
     friction_kind,
-    friction_record,
     pads,
 )  # fmt: skip
 from mecano.constraints.coordinates.twist import TWIST
@@ -29,12 +28,6 @@ def _load(p, at, rate):
     N = pads(at.q[FORCE], at.q[FORCE + 1], at.q[COUPLE], at.q[COUPLE + 1], p.inverse_length)
     collar = p.collar_radius * abs(at.q[AXIAL]) * drag(p, at.laws, p.collar_radius * rate)
     return p.radius * N * drag(p, at.laws, p.radius * rate) + collar, N
-
-
-def hinge_friction_record(place, friction, context):
-    """Return the record of a joint at ``place`` (pair.py) with the deck's friction."""
-    geometry = {"radius": friction["radius"], "collar_radius": friction["collar_radius"]}
-    return {"mu": place["mu"], "xi": place["xi"], **geometry, **friction_record(friction, context)}
 
 
 HINGE_FRICTION = friction_kind(

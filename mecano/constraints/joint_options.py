@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
+from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, friction_record
 from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS
 from mecano.constraints.along_coordinate.stops import check_ends, end_fields, end_parts
 from mecano.constraints.coordinates.slide import SLIDE
@@ -62,17 +62,19 @@ def _end_option(coordinate, latches, stop, axis):
     return Option(end_fields(coordinate), parts, optional, check_ends)
 
 
-def friction_option(kind, values, *geometry):
+def friction_option(kind, axis, *geometry):
     """Return the Option of friction driven by the reactions of all axes that the joint holds.
 
-    ``kind`` is coupled to their multipliers, ``values(place, friction, context)`` returns its record, ``geometry`` are
-    its fields in addition to those of every friction.
+    ``kind`` is coupled to their multipliers, and has the axes of the coordinate along or about ``axis`` (pair.py);
+    ``geometry`` are its fields in addition to those of every friction.
     """
     coupled_to = tuple(range(len(kind.coupled_multipliers)))
 
     def parts(d, place, context):
-        given = d["friction"]
-        return [Part(kind, BOTH, values(place, given, context), coupled_to)] if given else []
+        if d["friction"] is None:
+            return []
+        values = friction_record(d["friction"], context, kind.dtype.names)
+        return [Part(kind, BOTH, {**coordinate_of(axis, place)[0], **values}, coupled_to)]
 
     return Option((friction_fields(*geometry),), parts, (("friction", kind, ""),), check_friction, True)
 

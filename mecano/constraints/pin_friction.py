@@ -10,14 +10,7 @@ joint (inertial multipliers), the multiplier m of :math:`\mu_3 \cdot \xi = 0` an
 acts against the angle of the pin.
 """
 
-from mecano.constraints.along_coordinate.friction import (
-    FRICTION_MOMENT,
-    REGULARIZED,
-    drag,
-    friction_kind,
-    friction_record,
-    pads,
-)
+from mecano.constraints.along_coordinate.friction import FRICTION_MOMENT, REGULARIZED, drag, friction_kind, pads
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
 from mecano.element_interface import Row
@@ -39,11 +32,6 @@ def _load(p, at, rate):
     m_1, m_2 = couple * dot(mu[0], pin), couple * dot(mu[1], pin)
     N = pads(dot(mu[0], F), dot(mu[1], F), m_1, m_2, p.inverse_length)
     return p.radius * N * drag(p, at.laws, p.radius * rate), N
-
-
-def pin_friction_record(mu, xi, radius, friction, context):
-    """Return the record: axes (3, 3) of a, rows, the pin (3,) of b, radius [m] of the pin mu_3."""
-    return {"mu": mu, "xi": xi, "radius": radius, **friction_record(friction, context)}
 
 
 PIN_FRICTION = friction_kind(

@@ -104,14 +104,15 @@ LENGTH = Field(
 )  # fmt: skip
 
 
-def friction_record(friction, context):
-    """Return the values of ``FRICTION_RECORD`` from the deck."""
-    length = friction.get("length")
-    return {
-        "coefficient": context.laws.add(friction["coefficient"]),
-        "regularization": friction["regularization"],
-        "inverse_length": 0.0 if length is None else 1.0 / length,
-    }
+def friction_record(friction, context, names):
+    """Return the values of the fields ``names`` of a record that follow from the deck's friction.
+
+    Of the lengths that the deck may omit the record has the inverses, which are then zero.
+    """
+    lengths = {name: friction.get(name) for name in ("length", "key_radius")}
+    inverses = {f"inverse_{name}": 0.0 if length is None else 1.0 / length for name, length in lengths.items()}
+    values = {**friction, **inverses, "coefficient": context.laws.add(friction["coefficient"])}
+    return {name: values[name] for name in names if name in values}
 
 
 def check_friction(d):

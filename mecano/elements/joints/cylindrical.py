@@ -17,7 +17,7 @@ outputs force and moment include only what holds b; laws and friction have outpu
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING, TURNING
-from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
+from mecano.constraints.guide_friction import ROUND_FRICTION
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_places
 from mecano.constraints.release import SAMPLE
@@ -50,7 +50,7 @@ CYLINDRICAL = lower_pair(
         held=("about_2", "about_1", "along_1", "along_2"),
         display=Display(support=False, pictures=("angles", "slides"), force="force", along_axes=True),
         motions=(TURNING, SLIDING),
-        options=(TURNING_LAW, SLIDING_LAW, SLIDE_ENDS, friction_option(ROUND_FRICTION, round_record, RADIUS, LENGTH)),
+        options=(TURNING_LAW, SLIDING_LAW, SLIDE_ENDS, friction_option(ROUND_FRICTION, "about_axis", RADIUS, LENGTH)),
     ),
     sample,
 )

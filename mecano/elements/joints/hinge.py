@@ -21,7 +21,7 @@ friction have outputs of their own.
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import TURNING
-from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
+from mecano.constraints.hinge_friction import HINGE_FRICTION
 from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, rotation
@@ -71,11 +71,7 @@ HINGE = sharing_pair(
         held=HELD,
         display=Display(pictures=("angles",), force="force", along_axes=True),
         motions=(TURNING,),
-        options=(
-            TURNING_LAW,
-            ANGLE_ENDS,
-            friction_option(HINGE_FRICTION, hinge_friction_record, RADIUS, COLLAR, LENGTH),
-        ),
+        options=(TURNING_LAW, ANGLE_ENDS, friction_option(HINGE_FRICTION, "about_axis", RADIUS, COLLAR, LENGTH)),
         fields=(AXIS_B,),
         place=bent_place,
     ),

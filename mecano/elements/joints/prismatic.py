@@ -17,7 +17,7 @@ axis. The outputs force and moment include only what holds b; law and friction h
 from mecano.constraints.along_coordinate.friction import LENGTH
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING
-from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
+from mecano.constraints.guide_friction import KEYED_FRICTION
 from mecano.constraints.joint_nodes import one_rotation, turned_apart
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel, two_places
@@ -66,7 +66,7 @@ PRISMATIC = sharing_pair(
         held=HELD,
         display=Display(support=False, pictures=("slides",), force="force", along_axes=True),
         motions=(SLIDING,),
-        options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, keyed_record, LENGTH, KEY_RADIUS)),
+        options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, "along_axis", LENGTH, KEY_RADIUS)),
     ),
     Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), apart=turned_apart),
     sample,

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, radius
-from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
+from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, friction_record, radius
+from mecano.constraints.ball_friction import BALL_FRICTION
 from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
@@ -33,7 +33,8 @@ def parts_held(d, nodes, context):
     """Return the Parts of three multipliers, and of the friction that they drive, if any."""
     found = [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)})]
     if d["friction"]:
-        found.append(Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), coupled_to=(0,)))
+        values = friction_record(d["friction"], context, BALL_FRICTION.dtype.names)
+        found.append(Part(BALL_FRICTION, (0, 1), values, coupled_to=(0,)))
     return found
 
 

@@ -17,7 +17,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.friction import LENGTH, check_friction, friction_fields, radius
+from mecano.constraints.along_coordinate.friction import (
+    LENGTH,
+    check_friction,
+    friction_fields,
+    friction_record,
+    radius,
+)
 from mecano.constraints.along_coordinate.law import SET_POINT, law_values
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
@@ -35,7 +41,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )
-from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
+from mecano.constraints.pin_friction import PIN_FRICTION
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, Part, named, record
@@ -127,11 +133,10 @@ def parts_with_friction(d, nodes, context):
     """Return the Parts with the position held by multipliers, and the friction of both pins."""
     p, given = prepare(d, nodes, context), d["friction"]
     perpendicular, *turning = parts(d, nodes, context)
-    friction = [
-        Part(PIN_FRICTION, on, pin_friction_record(mu, xi, given[f"radius_{end}"], given, context), (0, 1), f"_{end}")
-        for on, mu, xi, end in _seen_by_pins(p)
-        if given
-    ]
+    friction = []
+    for on, mu, xi, end in _seen_by_pins(p) if given else ():
+        values = friction_record({**given, "radius": given[f"radius_{end}"]}, context, PIN_FRICTION.dtype.names)
+        friction.append(Part(PIN_FRICTION, on, {"mu": mu, "xi": xi, **values}, (0, 1), f"_{end}"))
     return [perpendicular, Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), *friction, *turning]
 
 
