@@ -10,7 +10,7 @@ outputs that depend on them are ``Kind.hidden``.
 from functools import cache
 
 from mecano.constraints.along_coordinate.signal import SIGNAL
-from mecano.element_interface import Kind, Row, named, with_fields
+from mecano.element_interface import Kind, Row, with_fields
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import allocate_items, free
 from mecano.maths.dual import number
@@ -57,15 +57,13 @@ def sum_of(n):
     """Return the Kind of the sum of n inputs: the powers of the parts of an element."""
 
     @kernel
-    def force(p, at, f, K, C, M):
-        f[0] += at.q[0]
-        K[0, 0] += 1.0
+    def residual(p, at, f):
+        f[0] += number(at.q[0])
         for i in range(1, n + 1):
-            f[0] -= at.q[i]
-            K[0, i] -= 1.0
+            f[0] -= number(at.q[i])
 
     inputs = tuple(f"input_{i}" for i in range(1, n + 1))
-    return Kind(name="sum", doc="Sum of sensors.", inputs=inputs, **SIGNAL, **named(force))
+    return Kind(name="sum", doc="Sum of sensors.", inputs=inputs, residual=residual, **SIGNAL)
 
 
 def _idle(observe, phase, outputs):

@@ -34,11 +34,6 @@ def stop_energy(a, i, s):
     return 0.5 * a[i] * d * d
 
 
-def pack_stop(values):
-    """Return the numbers of a stop."""
-    return [values["stiffness"], values["lower"], values["upper"], values["damping"]]
-
-
 def pack_play(values):
     """Return the numbers of a stop that are those of a dead band.
 
@@ -89,7 +84,6 @@ STOP = Term(
         Field("upper", NUMBER, "m or rad", "extension of the upper stop; none when absent", math.inf),
         Field("damping", NUMBER, "s/m or s/rad", "damping relative to the elastic force", 0.0, not_negative),
     ),
-    pack=pack_stop,
     evaluate=stop,
     integral=stop_energy,
     check=some_stop,

@@ -85,16 +85,11 @@ def latch_kind(name, doc, coordinate):
     def commit(p, at, m_out):
         m_out[0] = at.m[0] if at.phase == LOCKED else value(p, at)
 
-    (what, unit), of = coordinate.load, _quantity(coordinate)
+    state = Output("latched", "-", "1 while it is locked, otherwise 0")
     return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
-        outputs=(
-            Output(f"latch_{what}", unit, f"{what} of the latch on b, towards increasing {of}"),
-            Output("latched", "-", "1 while it is locked, otherwise 0"),
-        ),
-        multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
-        phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
-        **holding(coordinate, _locked), observe=observe, event_values=event_values, commit=commit,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), **_reaction(coordinate, "latch", state),
+        phases=LATCH_PHASES, events=LATCH_EVENTS, sample=_samples(coordinate, LATCH_PHASES),
+        **holding(coordinate, _locked), **named(observe, event_values, commit),
     )  # fmt: skip
 
 
@@ -141,18 +136,23 @@ def stop_kind(name, doc, coordinate):
     def commit(p, at, m_out):
         m_out[0] = value(p, at) if at.phase == BETWEEN else at.m[0]
 
-    (what, unit), of = coordinate.load, _quantity(coordinate)
+    state = Output("stopped", "-", "-1 at the lower stop, 1 at the upper stop, 0 between them")
     return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
-        outputs=(
-            Output(f"stop_{what}", unit, f"{what} of the stop on b, towards increasing {of}"),
-            Output("stopped", "-", "-1 at the lower stop, 1 at the upper stop, 0 between them"),
-        ),
-        multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
-        phases=STOP_PHASES, events=stop_events("stop", "reaction of the stop"), memory=("held",),
-        sample=_samples(coordinate, STOP_PHASES),
-        **holding(coordinate, _stopped), observe=observe, event_values=event_values, commit=commit,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD),
+        **_reaction(coordinate, "stop", state, unilateral=True), phases=STOP_PHASES,
+        events=stop_events("stop", "reaction of the stop"), sample=_samples(coordinate, STOP_PHASES),
+        **holding(coordinate, _stopped), **named(observe, event_values, commit),
     )  # fmt: skip
+
+
+def _reaction(coordinate, end, state, unilateral=False):
+    """Return the declarations of the reaction of an ``end`` ("latch", "stop") and of its ``state``, an Output."""
+    what, unit = coordinate.load
+    doc = f"{what} of the {end} on b, towards increasing {_quantity(coordinate)}"
+    return {
+        "layout": coordinate.layout, "outputs": (Output(f"{end}_{what}", unit, doc), state), "memory": ("held",),
+        "multipliers": (Row(f"{what} of the {end}", unit, coordinate.unit, unilateral),),
+    }  # fmt: skip
 
 
 def _quantity(coordinate):

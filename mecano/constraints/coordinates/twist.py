@@ -42,7 +42,7 @@ def twist_curvature(A, mu_3, xi_3):
     """Return ((H_00, H_01), (H_10, H_11)): derivative of gradient i by material rotation of node j, not symmetric."""
     xi, mu = A @ xi_3, A.T @ mu_3
     size = 1.0 / (1.0 + dot(mu_3, xi))
-    b_0, b_1 = -size * (mu_3 + xi), size * (mu + xi_3)
+    b_0, b_1 = twist_gradient(A, mu_3, xi_3)
     by_0, by_1 = -size * cross(mu_3, xi), -size * cross(xi_3, mu)
     H_00 = -size * skew(xi) + outer(b_0, by_0)
     H_01 = size * (A @ skew(xi_3)) + outer(b_0, by_1)
