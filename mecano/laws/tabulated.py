@@ -131,6 +131,12 @@ def pack_table(values):
     return pack_points(values["points"], values["interpolation"], values["beyond"])
 
 
+def table_law(points, beyond):
+    """Return the checked law that is a monotone cubic through ``points`` [x, y]."""
+    read = {"points": points, "file": None, "columns": None, "units": None}
+    return (("table", {**read, "interpolation": "cubic", "beyond": beyond}),)
+
+
 def two_increasing(points):
     """Check that there are at least 2 points [x, y] with strictly increasing x."""
     if points is None:

@@ -110,4 +110,4 @@ ADHESIVE_WHEEL = replace(
     variant=variant,
     sample=samples,
 )
-ROUND = with_round_tread(ADHESIVE_WHEEL, **compiled(ROUND_PATCH))
+ROUND = with_round_tread(ADHESIVE_WHEEL, name="adhesive_wheel_crowned", **compiled(ROUND_PATCH))

@@ -36,6 +36,7 @@ from mecano.elements.wheels.slip_law import default_values
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_values
 from mecano.laws.table import breakpoints, curve_and_slope
+from mecano.laws.tabulated import table_law
 from mecano.maths.dual import at_least, select, sqrt, value
 from mecano.maths.vector import cross, dot, vec
 from mecano.schema import NUMBER, Field, mapping, not_negative, positive, share
@@ -182,7 +183,7 @@ def cam_path(law, cams, radius, stretch=1.0):
     for corner, height in zip(corners, curve_values(law, corners)[:, 0], strict=True):
         near = slice(*np.searchsorted(s, (corner - half, corner + half)))
         Z[near] = np.maximum(Z[near], height - outline(stretch * (s[near] - corner), cams, radius))
-    return (("table", {"points": np.column_stack([s, Z]), "interpolation": "cubic", "beyond": "hold"}),)
+    return table_law(np.column_stack([s, Z]), "hold")
 
 
 def outline(x, cams, radius):

@@ -34,7 +34,7 @@ from functools import cache
 
 from mecano.constraints.tire_patch import FLAT_PATCH, ROUND_PATCH
 from mecano.element_interface import named, record
-from mecano.elements.wheels.crown import crown_of, crowned_law, with_crown
+from mecano.elements.wheels.crown import with_crown
 from mecano.elements.wheels.lateral_law import relax
 from mecano.elements.wheels.patch_wheel import (
     RECORD,
@@ -48,8 +48,9 @@ from mecano.elements.wheels.patch_wheel import (
     sample,
     with_round_tread,
 )
-from mecano.elements.wheels.rolling_tyre import is_given, rolling_law, with_rolling
+from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.tire_wheel import AIR
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, mat
@@ -83,31 +84,20 @@ def compiled(law):
 
 
 @cache
-def rolling_kind():
-    """Return the Kind of a wheel with a rolling radius or a rolling resistance."""
-    law = rolling_law(SLIDING_FRICTION)
-
-    return replace(
-        FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record),
+def kind_with(law):
+    """Return the Kind of a wheel with this friction, a SlipLaw, perhaps with a rounded tread, or a rolling radius."""
+    kind = replace(
+        FLEXIBLE_WHEEL, name=f"flexible_wheel_{law.name}", dtype=record(**RECORD, **law.record),
         prepare=lambda d, nodes, context: {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)},
         variant=None, **compiled(law),
     )  # fmt: skip
-
-
-@cache
-def round_kind(rolling):
-    """Return the Kind of a wheel with a rounded tread, and, if ``rolling``, a rolling radius or resistance."""
-    law = crowned_law(SLIDING_FRICTION)
-    law = rolling_law(law) if rolling else law
-    return with_round_tread(rolling_kind() if rolling else FLEXIBLE_WHEEL, **compiled(law))
+    return with_round_tread(kind) if law.crowned else kind
 
 
 def variant(d):
     """Return the kind with or without a rounded tread, a rolling radius or a rolling resistance."""
-    rolling = is_given(d["tire_law"])
-    if crown_of(d):
-        return round_kind(rolling)
-    return rolling_kind() if rolling else FLEXIBLE_WHEEL
+    law = slip_law_of(d["tire_law"])
+    return FLEXIBLE_WHEEL if law is SLIDING_FRICTION else kind_with(law)
 
 
 def samples(rng):

@@ -33,7 +33,7 @@ from mecano.elements.wheels.magic_turn_slip import of_camber, turned, turning_mo
 from mecano.elements.wheels.slip_law import TORSIONAL_STIFFNESS, Carcass, SlipForces, SlipLaw, check_twist, slipping
 from mecano.elements.wheels.turn_slip import turning_rate
 from mecano.jit.kernel import kernel
-from mecano.laws.tabulated import two_increasing
+from mecano.laws.tabulated import table_law, two_increasing
 from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
 from mecano.schema import BOOLEAN, NUMBER, POINTS, TEXT, Field, mapping, named, positive
@@ -72,7 +72,6 @@ LEAST_LOAD = 1e-3  # of the nominal load: below it, force and moments are propor
 LEAST_GRIP = 1e-6  # lower bound of the factor on the friction
 CREEP = 0.1  # creep length of the carcass, relative to the relaxation length
 
-UNREAD = {"file": None, "columns": None, "units": None}  # of a table
 RECORD = {**dict.fromkeys((*NEEDED, *DEFAULTS), ()), "pressure": (), "least_speed": (), "side": ()}
 FIELDS = (
     Field("file", TEXT, "-", "a .tir file of version 5.2, 6.1 or 6.2 in the folder of the deck", None),
@@ -165,8 +164,7 @@ def completed(law):
         numbers = [0.0, pressed * load * slope / R0, pressed * load * bend / R0**2]
         found["radial"] = (("polynomial", {"coefficients": numbers}),)
     if points := law["magic_formula"]["deflection_load"]:
-        loads = [[w, pressed * F] for w, F in points]
-        found["radial"] = (("table", {**UNREAD, "points": loads, "interpolation": "cubic", "beyond": "extend"}),)
+        found["radial"] = table_law([[w, pressed * F] for w, F in points], "extend")
     if c["VERTICAL_DAMPING"] > 0.0:
         found["radial_damping"] = c["VERTICAL_DAMPING"] / load
     return found

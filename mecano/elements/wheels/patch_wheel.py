@@ -257,11 +257,9 @@ def sample(rng):
     return [_sample(rng, *case) for case in cases]
 
 
-def with_round_tread(kind, **functions):
-    """Return the Kind of ``patch_wheel`` with a rounded tread; ``functions``: those that depend on it."""
-    return replace(
-        kind, name=f"{kind.name}_crowned", variant=None, event_values=event_values_with(rounded_on_ground), **functions
-    )
+def with_round_tread(kind, **declared):
+    """Return the Kind of ``patch_wheel`` with a rounded tread; ``declared``: its name, functions that depend on it."""
+    return replace(kind, variant=None, event_values=event_values_with(rounded_on_ground), **declared)
 
 
 def patch_wheel(name, doc, massless, events=EVENTS, **functions):

@@ -27,6 +27,7 @@ import math
 
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
 from mecano.elements.wheels.slip_law import default_values
+from mecano.laws.tabulated import table_law
 from mecano.schema import NUMBER, Field, choice, mapping, positive
 
 TYPES = {"I": (0.02, 3.0, 63.0), "III": (0.03, 2.0, 57.0), "VII": (0.03, 2.0, 57.0)}  # C_z, tau, C_c
@@ -167,26 +168,19 @@ def radial_law(d):
     """Return F_z as a law of the deflection, a table."""
     w = d["width"]
     joint = 10.0 * TYPES[d["tire_type"]][0] / 3.0 * w
-    return _table(lambda delta: vertical_force(d, delta), [*_even(0.0, joint, 1), w], "extend")
+    return table_law([[delta, vertical_force(d, delta)] for delta in (*_even(0.0, joint, 1), w)], "extend")
 
 
 def cornering_law(d):
     """Return N as a law of the deflection, a table; it has the cornering stiffness of ``d`` under the load."""
     scale = d["cornering_stiffness"] / cornering_stiffness(d, d["deflection"])
     places = [d["diameter"] * x for x in (*_even(0.0, PEAK, -1), *_even(PEAK, JOINT, 1), VANISHES)]
-    return _table(lambda delta: scale * cornering_stiffness(d, delta), places, "hold")
+    return table_law([[delta, scale * cornering_stiffness(d, delta)] for delta in places], "hold")
 
 
 def _even(first, last, more):
     """Return numbers of equal distances from ``first`` to ``last``, and ``more`` beyond (-1: without the last)."""
     return [first + (last - first) * i / PARTS for i in range(PARTS + 1 + more)]
-
-
-def _table(function, places, beyond):
-    """Return the law that is a table of a function at ``places``."""
-    points = [[s, function(s)] for s in places]
-    values = {"points": points, "file": None, "columns": None, "units": None, "interpolation": "cubic"}
-    return (("table", {**values, "beyond": beyond}),)
 
 
 def lateral_law(d):
