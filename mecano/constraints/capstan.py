@@ -32,10 +32,9 @@ from mecano.constraints.activation import kept_shifts
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.line_phases import PHASES, TAUT
 from mecano.constraints.reeved_path import (
-    of_law,
-    of_signal,
     path_record,
     path_unknowns,
+    payout_of,
     pull,
     relative,
     shifted_path,
@@ -179,7 +178,7 @@ def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
 
     A ``stress_free`` cable has the natural length of its path at its activation; before, it is in its last phase.
     """
-    payout = of_signal if by_signal else of_law
+    payout = payout_of(n, by_signal)
     unknowns, strain_of = shifted_path(n, payout) if stress_free else (path_unknowns(n), strain_by(payout))
     found = Kind(
         name="capstan_friction",

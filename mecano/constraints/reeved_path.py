@@ -8,20 +8,20 @@ beyond those of a line no path need exist: then its length and rate are not numb
 import math
 
 from mecano.constraints.activation import SHIFT, since_activation
+from mecano.constraints.along_coordinate.demand import of_law_with_rate, with_rate
 from mecano.constraints.belt_span import tangent_direction
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.elastic_line import strained
 from mecano.constraints.line_phases import SLACK
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import number, sqrt, value
+from mecano.maths.dual import sqrt, value
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
 
 def path_record(n):
     """Return the fields of the record of a path over n pulleys: {name: shape}."""
     return {
-        "EA": (), "damping": (), "natural": (), "prestrain": (), "payout": "i",
+        "EA": (), "damping": (), "natural": (), "prestrain": (), "law": "i",
         "radii": (n + 2,), "axes": (n, 3, 3), "start": (n,),
     }  # fmt: skip
 
@@ -106,17 +106,9 @@ def path(p, at):
     return length, rate
 
 
-@kernel
-def of_law(p, at):
-    """Return the payout of a law of time, and its rate."""
-    return evaluate_curve(at.laws, p.payout, at.t)[:2]
-
-
-@kernel
-def of_signal(p, at):
-    """Return the payout that is a signal, and its rate."""
-    i = 6 * len(p.radii) - 6  # after the unknowns of the nodes
-    return number(at.q[i]), number(at.v[i])
+def payout_of(n, by_signal):
+    """Return the compiled function (p, at) -> payout and its rate over n pulleys: of a law of time, or of a signal."""
+    return with_rate(6 * (n + 1)) if by_signal else of_law_with_rate  # the signal follows the unknowns of the nodes
 
 
 def strain_by(payout):

@@ -15,6 +15,12 @@ def of_law(p, at):
     return evaluate_curve(at.laws, p.law, at.t)[0]
 
 
+@kernel
+def of_law_with_rate(p, at):
+    """Return the value of the record's law at the current time, and its rate."""
+    return evaluate_curve(at.laws, p.law, at.t)[:2]
+
+
 def of_input(i):
     """Return the compiled function (p, at) -> value of the local unknown i, an input."""
 

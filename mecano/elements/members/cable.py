@@ -35,7 +35,7 @@ import numpy as np
 
 from mecano.constraints import wound_line
 from mecano.constraints.activation import SHIFT, is_stress_free, since_activation, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula, on_demand, with_rate
+from mecano.constraints.along_coordinate.demand import is_formula, of_law_with_rate, on_demand, with_rate
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
     DAMPING,
@@ -62,18 +62,12 @@ from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
-from mecano.laws.table import evaluate_curve, terms_of
+from mecano.laws.table import terms_of
 from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 INPUT = 6  # local index of a natural length that is a signal
 STRETCHED = 0.5  # strain
-
-
-@kernel
-def _of_time(p, at):
-    """Return the natural length of a law of time, and its rate."""
-    return evaluate_curve(at.laws, p.law, at.t)[:2]
 
 
 @kernel
@@ -265,7 +259,7 @@ def bounds(d):
 
 def _of_length(kind, functions):
     """Return the ``kind`` with these ``functions`` of its natural length, a law of time or a formula of signals."""
-    return on_demand(kind, functions, "natural_length", INPUT, _of_time, with_rate)
+    return on_demand(kind, functions, "natural_length", INPUT, of_law_with_rate, with_rate)
 
 
 _BAR = Kind(

@@ -48,10 +48,9 @@ from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_l
 from mecano.constraints.reeved_path import (
     arc,
     lost,
-    of_law,
-    of_signal,
     path_record,
     path_unknowns,
+    payout_of,
     pull,
     shifted_path,
     span,
@@ -160,7 +159,7 @@ def prepare(d, nodes, context):
     return {
         "EA": d["axial_stiffness"], "damping": d["damping"], "radii": d["radii"], "axes": axes, "start": arcs,
         "natural": length / (1.0 + prestrain), "prestrain": prestrain,
-        "payout": law_of(d["payout"], context),
+        "law": law_of(d["payout"], context),
     }  # fmt: skip
 
 
@@ -242,10 +241,11 @@ def _of(n, by_signal, released, stress_free):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}", geometric=True) for i in range(1, n + 1))
     outputs = (*OUTPUTS, *wraps)
     found = replace(_ALWAYS_ACTIVE, variant=None, outputs=outputs, dtype=record(**path_record(n)), **path_unknowns(n))
+    payout = payout_of(n, by_signal)
     if by_signal:
-        found = replace(found, inputs=("payout",), **_functions(strain_by(of_signal)))
+        found = replace(found, inputs=("payout",), **_functions(strain_by(payout)))
     if stress_free:
-        unknowns, strain_of = shifted_path(n, of_signal if by_signal else of_law)
+        unknowns, strain_of = shifted_path(n, payout)
         found = replace(found, **unknowns, **_functions(strain_of))
     return detached(found, "cable", tuple(range(len(outputs)))) if released else found
 
@@ -311,7 +311,7 @@ _ALWAYS_ACTIVE = Kind(
     limits=lambda d: [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")],
     variant=lambda d: _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d)),
     **named(prepare, parts, check, end_conditions, sample),
-    **_functions(strain_by(of_law)),
+    **_functions(strain_by(payout_of(1, False))),
 )
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "when it begins to act, its tension is its pretension", False)
