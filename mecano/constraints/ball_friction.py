@@ -45,10 +45,7 @@ def observe(p, at, F, y, e):
 
 
 BALL_FRICTION = Kind(
-    name="ball_friction",
-    doc=__doc__ + REGULARIZED,
-    dtype=RECORD,
-    layout=("R0", "R1"),
+    name="ball_friction", doc=__doc__ + REGULARIZED, dtype=RECORD, layout=("R0", "R1"),
     coupled_multipliers=tuple(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     outputs=(
         Output("friction_moment", "N m", "magnitude of the friction moment"),
@@ -56,4 +53,4 @@ BALL_FRICTION = Kind(
         POWER,
     ),
     **named(residual, observe),
-)
+)  # fmt: skip

@@ -181,9 +181,7 @@ def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
     payout = payout_of(n, by_signal)
     unknowns, strain_of = shifted_path(n, payout) if stress_free else (path_unknowns(n), strain_by(payout))
     found = Kind(
-        name="capstan_friction",
-        doc=__doc__,
-        dtype=record(coefficients=(n,), regularization=(), **path_record(n)),
+        name="capstan_friction", doc=__doc__, dtype=record(coefficients=(n,), regularization=(), **path_record(n)),
         **unknowns,
         outputs=(
             Output("dissipated_power", "W", "power dissipated by friction"),
@@ -193,7 +191,7 @@ def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
         phases=phases,
         inputs=("payout",) if by_signal else (),
         **_functions(strain_of),
-    )
+    )  # fmt: skip
     return replace(found, kept=kept_shifts(found.memory, phases))
 
 

@@ -52,11 +52,8 @@ def sample(rng):
 
 
 GEARED_SLIDE = Kind(
-    name="geared_slide",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
+    name="geared_slide", doc=__doc__, dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
     multipliers=(Row("force of the thread or teeth", "N", "m"),),
     sample=sample,
     **scalar_constraint(_coupling, MULTIPLIER),
-)
+)  # fmt: skip

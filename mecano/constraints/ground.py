@@ -24,11 +24,9 @@ GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i", "crown"
 LEAST_Q = 0.1  # of |n x a|: below it the wheel lies flat, and its contact runs around the rim
 STANDING = 1e-3  # of the radius: a rim initially no farther from the ground stands on it
 LEAN = Output(
-    "lean",
-    "rad",
-    "angle of the wheel's plane from the ground normal at the contact, right-handed about t",
+    "lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t",
     geometric=True,
-)
+)  # fmt: skip
 MOST_BENDS = 8
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a concave part whose radius is smaller than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically

@@ -84,12 +84,10 @@ KEYED_FRICTION = friction_kind(
 )  # fmt: skip
 
 ROUND_FRICTION = Kind(
-    name="round_friction",
-    doc=__doc__ + PADS + REGULARIZED,
-    dtype=record(radius=(), **TWIST.axes, **FRICTION_RECORD),
+    name="round_friction", doc=__doc__ + PADS + REGULARIZED, dtype=record(radius=(), **TWIST.axes, **FRICTION_RECORD),
     layout=("x0", "R0", "x1", "R1"),
     coupled_multipliers=(*AXIS_ROWS, *FORCE_ROWS[:2]),
     outputs=(FRICTION_FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),
     residual=round_residual,
     observe=round_observe,
-)
+)  # fmt: skip

@@ -43,11 +43,8 @@ def sample(rng):
 
 
 ROLLER = Kind(
-    name="roller",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="roller", doc=__doc__, dtype=RECORD, layout=("x0", "R0"),
     multipliers=(Row("force of the ground along the roller", "N", "m/s"),),
     **no_slip(_contact, 1),
     sample=sample,
-)
+)  # fmt: skip

@@ -34,13 +34,10 @@ def rolls_on(tread_on_ground):
 
 
 ROLLING = Kind(
-    name="rolling",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="rolling", doc=__doc__, dtype=RECORD, layout=("x0", "R0"),
     multipliers=ROWS,
     phases=("contact", "air"),
     **rolls_on(flat_on_ground),
     sample=leaning_discs,
-)
+)  # fmt: skip
 ROUND_ROLLING = replace(ROLLING, name="rolling_crowned", **rolls_on(rounded_on_ground))

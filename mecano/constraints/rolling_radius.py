@@ -49,13 +49,10 @@ def leaning_discs(rng):
 
 
 ROLLING_RADIUS = Kind(
-    name="rolling_radius",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="rolling_radius", doc=__doc__, dtype=RECORD, layout=("x0", "R0"),
     multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
     phases=("contact", "air"),
     **pressed_by(flat_on_ground),
     sample=leaning_discs,
-)
+)  # fmt: skip
 ROUND_RADIUS = replace(ROLLING_RADIUS, name="rolling_radius_crowned", **pressed_by(rounded_on_ground))

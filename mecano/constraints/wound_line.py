@@ -190,17 +190,14 @@ def sample(rng):
 
 
 CATCH = Kind(
-    name="line_catch",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "x1"),
+    name="line_catch", doc=__doc__, dtype=RECORD, layout=("x0", "x1"),
     multipliers=(Row("tension of the cable at its full length", "N", "m", unilateral=True),),
     phases=PHASES,
     memory=MEMORY,
     residual=catch_residual,
     constraints=catch_constraints,
     **named(commit, sample),
-)
+)  # fmt: skip
 ELASTIC = Kind(
     name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
     residual=elastic_residual, inertia=line_inertia, commit=commit,

@@ -89,14 +89,12 @@ def open_orifice(values):
 
 
 DAMPER_POLYNOMIAL = Term(
-    name="damper_polynomial",
-    doc="F = c1 v + c2 v^2 + c3 v^3 + ..., a polynomial of the rate; c0 = 0.",
-    role="force",
+    name="damper_polynomial", doc="F = c1 v + c2 v^2 + c3 v^3 + ..., a polynomial of the rate; c0 = 0.", role="force",
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
     evaluate=VISCOUS,
     check=no_force_at_rest,
-)
+)  # fmt: skip
 
 DAMPER_TABLE = Term(
     name="damper_table",
@@ -109,15 +107,13 @@ DAMPER_TABLE = Term(
 )
 
 OIL_DAMPER = Term(
-    name="oil_damper",
-    doc="F = c v |v|, with c of compression or of rebound; C1.",
-    role="force",
+    name="oil_damper", doc="F = c v |v|, with c of compression or of rebound; C1.", role="force",
     fields=(
         Field("compression", NUMBER, "N s2/m2", "coefficient while the length decreases", check=not_negative),
         Field("rebound", NUMBER, "N s2/m2", "coefficient while the length increases", check=not_negative),
     ),
     evaluate=oil_damper,
-)
+)  # fmt: skip
 
 METERING_PIN = Term(
     name="metering_pin",

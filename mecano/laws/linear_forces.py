@@ -17,20 +17,15 @@ SPRING = Term(
 )
 
 DAMPER = Term(
-    name="damper",
-    doc="F = coefficient v.",
-    role="force",
+    name="damper", doc="F = coefficient v.", role="force",
     fields=(Field("coefficient", NUMBER, "N s/m or N m s/rad", "force per rate", check=not_negative),),
     pack=lambda values: [2, 0.0, values["coefficient"]],
     evaluate=VISCOUS,
-)
+)  # fmt: skip
 
 PRELOAD = Term(
-    name="preload",
-    doc="F = force, for any extension.",
-    role="force",
+    name="preload", doc="F = force, for any extension.", role="force",
     fields=(Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),),
     pack=lambda values: [1, values["force"]],
-    evaluate=ELASTIC,
-    integral=polynomial_integral,
-)
+    evaluate=ELASTIC, integral=polynomial_integral,
+)  # fmt: skip

@@ -54,20 +54,15 @@ COEFFICIENTS = Field(
 )  # fmt: skip
 
 CONSTANT = Term(
-    name="constant",
-    doc="The same value everywhere; a plain number means the same.",
-    role="curve",
+    name="constant", doc="The same value everywhere; a plain number means the same.", role="curve",
     fields=(Field("value", NUMBER, VALUE, "the value"),),
     along_line=lambda values, slope, offset: {},
     pack=lambda values: [1, values["value"]],
-    evaluate=polynomial,
-    integral=polynomial_integral,
-)
+    evaluate=polynomial, integral=polynomial_integral,
+)  # fmt: skip
 
 LINEAR = Term(
-    name="linear",
-    doc="y = slope s + offset.",
-    role="curve",
+    name="linear", doc="y = slope s + offset.", role="curve",
     fields=(
         Field("slope", NUMBER, SLOPE, "slope"),
         Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
@@ -77,18 +72,13 @@ LINEAR = Term(
         "slope": values["slope"] * slope,
         "offset": values["offset"] + values["slope"] * offset,
     },
-    evaluate=polynomial,
-    integral=polynomial_integral,
-)
+    evaluate=polynomial, integral=polynomial_integral,
+)  # fmt: skip
 
 POLYNOMIAL = Term(
-    name="polynomial",
-    doc=f"y = c0 + c1 s + c2 s^2 + ..., s in the {ARGUMENT}.",
-    role="curve",
+    name="polynomial", doc=f"y = c0 + c1 s + c2 s^2 + ..., s in the {ARGUMENT}.", role="curve",
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
     along_line=polynomial_along_line,
-    evaluate=polynomial,
-    integral=polynomial_integral,
-    shape=shape_of_polynomial,
-)
+    evaluate=polynomial, integral=polynomial_integral, shape=shape_of_polynomial,
+)  # fmt: skip

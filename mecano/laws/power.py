@@ -48,18 +48,14 @@ def shape_of_power(values, low, high):
 EXPONENT = Field("exponent", NUMBER, "-", "exponent p: 1.5 of a Hertz contact, 2 of turbulent drag", check=positive)
 
 POWER = Term(
-    name="power",
-    doc="y = coefficient sign(s) |s|^exponent, for any exponent > 0.",
-    role="curve",
+    name="power", doc="y = coefficient sign(s) |s|^exponent, for any exponent > 0.", role="curve",
     fields=(Field("coefficient", NUMBER, OF_A_POWER, "coefficient c"), EXPONENT),
-    evaluate=power,
-    integral=power_integral,
-    shape=shape_of_power,
+    evaluate=power, integral=power_integral, shape=shape_of_power,
     along_line=lambda values, slope, offset: (
         None if offset else {"coefficient": values["coefficient"] * slope ** values["exponent"]}
     ),
     breakpoints=breakpoints_of_power,
-)
+)  # fmt: skip
 
 DAMPER_POWER = Term(
     name="damper_power",

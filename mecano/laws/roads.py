@@ -114,16 +114,14 @@ BUMP = Term(
         Field("length", NUMBER, ARGUMENT, "its length", check=positive),
         Field("height", NUMBER, VALUE, "its height; negative for a dip"),
     ),
-    evaluate=bump,
-    integral=bump_integral,
-    shape=shape_of_bump,
+    evaluate=bump, integral=bump_integral, shape=shape_of_bump,
     along_line=lambda values, slope, offset: {
         "start": (values["start"] - offset) / slope,
         "length": values["length"] / slope,
     },
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
     landmarks=lambda values: [values["start"] + 0.5 * values["length"]],
-)
+)  # fmt: skip
 
 PER_ARGUMENT = "1 / unit of the argument"
 RANDOM = Term(

@@ -223,11 +223,9 @@ TABLE = Term(
     role="curve",
     fields=(POINTS_FIELD, *FILE_FIELDS, INTERPOLATION, BEYOND),
     pack=pack_table,
-    evaluate=table,
-    integral=table_integral,
-    shape=shape_of_table,
+    evaluate=table, integral=table_integral, shape=shape_of_table,
     along_line=lambda values, slope, offset: {"points": [[(x - offset) / slope, y] for x, y in values["points"]]},
     check=some_points,
     breakpoints=table_breakpoints,
     landmarks=table_landmarks,
-)
+)  # fmt: skip

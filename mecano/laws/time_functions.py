@@ -115,24 +115,20 @@ def end_of_edge(time, rise):
 
 
 SINE = Term(
-    name="sine",
-    doc="y = offset + amplitude sin(2 pi frequency s + phase).",
-    role="curve",
+    name="sine", doc="y = offset + amplitude sin(2 pi frequency s + phase).", role="curve",
     fields=(
         Field("amplitude", NUMBER, VALUE, "amplitude"),
         Field("frequency", NUMBER, "1 / unit of the argument", "full waves per unit of the argument: Hz for time"),
         Field("phase", NUMBER, "rad", "phase at the argument zero", 0.0),
         Field("offset", NUMBER, VALUE, "mean value", 0.0),
     ),
-    evaluate=sine,
-    integral=sine_integral,
-    shape=shape_of_sine,
+    evaluate=sine, integral=sine_integral, shape=shape_of_sine,
     along_line=lambda values, slope, offset: {
         "frequency": values["frequency"] * slope,
         "phase": values["phase"] + 2.0 * math.pi * values["frequency"] * offset,
     },
     frequency=lambda values: abs(values["frequency"]) if values["amplitude"] else 0.0,
-)
+)  # fmt: skip
 
 RAMP = Term(
     name="ramp",
@@ -182,12 +178,10 @@ EXPONENTIAL = Term(
         Field("rate", NUMBER, "1 / unit of the argument", "rate of the approach", check=not_negative),
         Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
     ),
-    evaluate=exponential,
-    integral=exponential_integral,
-    shape=shape_of_exponential,
+    evaluate=exponential, integral=exponential_integral, shape=shape_of_exponential,
     along_line=lambda values, slope, offset: {
         "rate": values["rate"] * slope,
         "origin": (values["origin"] - offset) / slope,
     },
     breakpoints=lambda values: [values["origin"]],
-)
+)  # fmt: skip

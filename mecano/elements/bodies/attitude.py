@@ -56,11 +56,7 @@ def commit(p, at, m_out):
 
 WASHOUT = "read the 'washout' of a component of the velocity, with the gain 1/time_constant"
 ATTITUDE = Kind(
-    name="attitude",
-    section="elements",
-    doc=__doc__,
-    display=Display("nothing"),
-    dtype=record(free_fall=3),
+    name="attitude", section="elements", doc=__doc__, display=Display("nothing"), dtype=record(free_fall=3),
     layout=("x0", "R0"),
     fields=(Field("node", NODE, "-", "node whose attitude is measured"),),
     outputs=(
@@ -74,9 +70,7 @@ ATTITUDE = Kind(
         Output("velocity", "m/s", "velocity in the axes of the node: u, v, w", (3,)),
         Output("acceleration", "m/s2", "acceleration, inertial", (3,)),
         Output(
-            "specific_force",
-            "m/s2",
-            "acceleration less gravity in the axes of the node, as accelerometers measure it",
+            "specific_force", "m/s2", "acceleration less gravity in the axes of the node, as accelerometers measure it",
             (3,),
         ),
     ),
@@ -84,4 +78,4 @@ ATTITUDE = Kind(
     memory=("yaw", "roll"),
     prepare=lambda d, nodes, context: {"free_fall": context.gravity},
     **named(observe, commit),
-)
+)  # fmt: skip

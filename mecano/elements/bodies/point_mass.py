@@ -30,11 +30,7 @@ def observe(p, at, F, y, e):
 
 
 POINT_MASS = Kind(
-    name="point_mass",
-    section="elements",
-    doc=__doc__,
-    display=Display("mass", pictures=("bodies",)),
-    dtype=RECORD,
+    name="point_mass", section="elements", doc=__doc__, display=Display("mass", pictures=("bodies",)), dtype=RECORD,
     layout=("x0",),
     fields=(
         Field("node", NODE, "-", "node that carries the mass"),
@@ -42,4 +38,4 @@ POINT_MASS = Kind(
     ),
     outputs=(Output("kinetic_energy", "J", "kinetic energy"),),
     **named(residual, inertia, observe),
-)
+)  # fmt: skip

@@ -100,19 +100,13 @@ def sample(rng):
 
 
 RIGID_BODY = Kind(
-    name="rigid_body",
-    section="elements",
-    doc=__doc__,
-    display=Display("body", pictures=("bodies",)),
-    dtype=RECORD,
+    name="rigid_body", section="elements", doc=__doc__, display=Display("body", pictures=("bodies",)), dtype=RECORD,
     layout=("x0", "R0"),
     fields=(
         Field("node", NODE, "-", "node that carries the body"),
         Field("mass", NUMBER, "kg", "mass", check=positive),
         Field(
-            "inertia",
-            INERTIA,
-            "kg m2",
+            "inertia", INERTIA, "kg m2",
             "inertia about the centre of mass, in the axes of the node; xy, of the tensor, is minus the sum of x y dm",
         ),
         Field("center_of_mass", NODE_VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0,) * 3),
@@ -126,4 +120,4 @@ RIGID_BODY = Kind(
     shares=attached_rotations,
     parts=lambda d, nodes, context: [part for i in range(1, len(nodes)) for part in attachment(nodes, i, context)],
     **named(prepare, check, force, observe, sample),
-)
+)  # fmt: skip

@@ -31,12 +31,8 @@ def observe(p, at, F, y, e):
 
 
 RIGID_LINK = Kind(
-    name="rigid_link",
-    section="elements",
-    doc=__doc__,
-    display=Display(pictures=("reactions",), force="force"),
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
+    name="rigid_link", section="elements", doc=__doc__, display=Display(pictures=("reactions",), force="force"),
+    dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "master and follower"),),
     outputs=(
         Output("force", "N", "force of the link on the follower, inertial axes", (3,)),
@@ -48,4 +44,4 @@ RIGID_LINK = Kind(
     parts=lambda d, nodes, context: attachment(nodes, 1, context),
     sample=lambda rng: [({}, two_parallel(rng), ""), ({}, two_places(rng), "")],
     observe=observe,
-)
+)  # fmt: skip

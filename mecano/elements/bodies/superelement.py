@@ -290,11 +290,7 @@ OUTPUTS = (
 )
 DECLARED = _outputs(1, 1, "; and so on")
 SUPERELEMENT = Kind(
-    name="superelement",
-    section="elements",
-    doc=__doc__,
-    display=Display("superelement"),
-    dtype=RECORD,
+    name="superelement", section="elements", doc=__doc__, display=Display("superelement"), dtype=RECORD,
     fields=(
         Field("nodes", NODES, "-", "its boundary nodes, in the order of the matrices"),
         Field("file", REDUCED, "-", "its matrices: a file in the folder of the deck, or its contents"),
@@ -305,4 +301,4 @@ SUPERELEMENT = Kind(
     **named(prepare, check, residual, inertia, observe, sample, variant, limits),
     outputs=DECLARED,
     hidden=_hidden(DECLARED),
-)
+)  # fmt: skip

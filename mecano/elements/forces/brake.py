@@ -252,11 +252,7 @@ OUTPUTS = (
 
 BRAKE = on_demand(
     Kind(
-        name="brake",
-        section="loads",
-        doc=__doc__,
-        dtype=RECORD,
-        layout=("R0", "x1", "R1"),
+        name="brake", section="loads", doc=__doc__, dtype=RECORD, layout=("R0", "x1", "R1"),
         fields=FIELDS,
         outputs=OUTPUTS,
         counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],

@@ -68,12 +68,7 @@ def sample(rng):
 
 DRAG = on_demand(
     Kind(
-        name="drag",
-        section="loads",
-        doc=__doc__,
-        display=Display(force="force"),
-        dtype=RECORD,
-        layout=("x0",),
+        name="drag", section="loads", doc=__doc__, display=Display(force="force"), dtype=RECORD, layout=("x0",),
         fields=(
             Field("node", NODE, "-", "node that it acts on"),
             Field("area", NUMBER, "m2", "area A across the stream", check=positive),

@@ -113,12 +113,7 @@ def sample(rng):
 
 
 GRAVITY_GRADIENT = Kind(
-    name="gravity_gradient",
-    section="loads",
-    doc=__doc__,
-    display=Display(force="force"),
-    dtype=RECORD,
-    layout=("x0",),
+    name="gravity_gradient", section="loads", doc=__doc__, display=Display(force="force"), dtype=RECORD, layout=("x0",),
     fields=(
         Field("node", NODE, "-", "node of the body"),
         Field("mass", NUMBER, "kg", "its mass", check=positive),

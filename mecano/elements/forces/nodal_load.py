@@ -79,12 +79,9 @@ def _load(quantity, unit_of_load, name, layout, directions, follows):
         return {"law": law_of(d["value"], context), "direction": nodes[0][1].T @ direction if follows else direction}
 
     kind = Kind(
-        name=name,
-        section="loads",
+        name=name, section="loads",
         doc=f"{quantity.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
-        display=Display(force=quantity if unit_of_load == "N" else ""),
-        dtype=RECORD,
-        layout=layout,
+        display=Display(force=quantity if unit_of_load == "N" else ""), dtype=RECORD, layout=layout,
         fields=(
             Field("node", NODE, "-", f"node that it acts on{carries}"),
             Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
@@ -95,7 +92,7 @@ def _load(quantity, unit_of_load, name, layout, directions, follows):
             Output("power", "W", "power given to the node"),
         ),
         prepare=prepare,
-    )
+    )  # fmt: skip
     return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
 
 

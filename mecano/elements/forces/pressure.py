@@ -112,10 +112,7 @@ def sample(rng):
 
 PRESSURE = on_demand(
     Kind(
-        name="pressure",
-        section="loads",
-        doc=__doc__,
-        dtype=OF_LINE,
+        name="pressure", section="loads", doc=__doc__, dtype=OF_LINE,
         fields=(
             LINE_FIELD,
             Field("across", DIRECTION, "-", "across the line, along the width of the side, at the start, inertial"),
@@ -132,4 +129,4 @@ PRESSURE = on_demand(
     _of_line,
     "value",
     0,
-)
+)  # fmt: skip

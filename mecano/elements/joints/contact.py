@@ -146,12 +146,8 @@ def sample_in_time(rng):
 
 
 _ALWAYS_ACTIVE = Kind(
-    name="contact",
-    section="elements",
-    doc=__doc__,
-    display=Display("contact", force="force", force_at="point"),
-    dtype=_record(BALL),
-    layout=BALL.layout,
+    name="contact", section="elements", doc=__doc__, display=Display("contact", force="force", force_at="point"),
+    dtype=_record(BALL), layout=BALL.layout,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, of the ball or other shape"),
         *FIELDS,

@@ -252,10 +252,7 @@ def _of_size(turns, slides, lossy=False):
 
 
 COUPLER = Kind(
-    name="coupler",
-    section="joints",
-    doc=__doc__,
-    display=Display("nothing"),
+    name="coupler", section="joints", doc=__doc__, display=Display("nothing"),
     fields=(
         Field("angles", list_of(joint_with("angle")), "-", "joints whose angles are the first coordinates", ()),
         Field("displacements", list_of(joint_with("displacement")), "-", "joints whose displacements follow", ()),

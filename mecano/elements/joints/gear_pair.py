@@ -134,10 +134,7 @@ def sample(rng):
 
 
 _PAIR = Kind(
-    name="gear_pair",
-    section="joints",
-    doc=__doc__,
-    display=Display(shape="gears", support=False, pictures=("gears",)),
+    name="gear_pair", section="joints", doc=__doc__, display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
         Field(
             "nodes", TRIPLE, "-",

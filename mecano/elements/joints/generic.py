@@ -159,11 +159,7 @@ def sample(rng):
 
 
 GENERIC = Kind(
-    name="generic",
-    section="joints",
-    doc=__doc__,
-    display=Display(force="force", along_axes=True),
-    dtype=RECORD,
+    name="generic", section="joints", doc=__doc__, display=Display(force="force", along_axes=True), dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,

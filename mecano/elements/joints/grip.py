@@ -177,12 +177,8 @@ def sample(rng):
 
 
 GRIP = Kind(
-    name="grip",
-    section="joints",
-    doc=__doc__,
-    display=Display(support=False, force="force"),
-    dtype=record(duration=(), lever=()),
-    layout=LAYOUT,
+    name="grip", section="joints", doc=__doc__, display=Display(support=False, force="force"),
+    dtype=record(duration=(), lever=()), layout=LAYOUT,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
         Field("close", TRIGGER, "-", "when it closes: {time: ...} or {when: ...}", None),
@@ -210,7 +206,7 @@ GRIP = Kind(
     variant=lambda d: GRIP if d["rotation"] else POSITION_GRIP,
     **named(reads, prepare, check, sample),
     **_functions(LAYOUT, True),
-)
+)  # fmt: skip
 POSITION_GRIP = replace(
     GRIP, name="position_grip", layout=LAYOUT[:3], multipliers=GRIP.multipliers[:3], memory=GRIP.memory[:3],
     **_functions(LAYOUT[:3], False),

@@ -18,11 +18,7 @@ def observe(p, at, F, y, e):
 
 
 HELD_ROTATION = Kind(
-    name="held_rotation",
-    section="joints",
-    doc=__doc__,
-    display=Display("nothing"),
-    layout=("R0", "R1"),
+    name="held_rotation", section="joints", doc=__doc__, display=Display("nothing"), layout=("R0", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, usually [ground, the node that must not rotate]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
     shares=one_rotation,
@@ -30,4 +26,4 @@ HELD_ROTATION = Kind(
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
     sample=lambda rng: [({}, two_parallel(rng), "")],
     observe=observe,
-)
+)  # fmt: skip

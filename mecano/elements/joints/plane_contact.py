@@ -68,11 +68,7 @@ def sample(rng):
 
 
 PLANE_CONTACT = Kind(
-    name="plane_contact",
-    section="elements",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0",),
+    name="plane_contact", section="elements", doc=__doc__, dtype=RECORD, layout=("x0",),
     fields=(
         Field("node", NODE, "-", "the node, which may have mass of its own or move with others"),
         Field("ground", GROUND, "-", "the ground, a plane"),

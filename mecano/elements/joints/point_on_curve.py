@@ -144,13 +144,8 @@ def sample(rng):
 
 
 POINT_ON_CURVE = Kind(
-    name="point_on_curve",
-    section="joints",
-    doc=__doc__,
-    display=Display("curve", pictures=("curves",), force="force"),
-    dtype=RECORD,
-    layout=("x0", "R0", "x1"),
-    scalars=("position",),
+    name="point_on_curve", section="joints", doc=__doc__, display=Display("curve", pictures=("curves",), force="force"),
+    dtype=RECORD, layout=("x0", "R0", "x1"), scalars=("position",),
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, in which the curve is fixed, and node b, held on it"),
         Field("center", POINT, "m", "centre of an ellipse, circle or helix at the start, inertial", None),
@@ -178,5 +173,5 @@ POINT_ON_CURVE = Kind(
     start=lambda p: (p["start"],),
     variant=lambda d: FLAT if d["across"] == "free" else POINT_ON_CURVE,
     **named(prepare, check, end_conditions, residual, constraints, observe, sample),
-)
+)  # fmt: skip
 FLAT = replace(POINT_ON_CURVE, multipliers=POINT_ON_CURVE.multipliers[:2])

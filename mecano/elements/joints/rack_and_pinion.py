@@ -53,9 +53,7 @@ def sample(rng):
 
 
 _RIGID = Kind(
-    name="rack_and_pinion",
-    section="joints",
-    doc=__doc__,
+    name="rack_and_pinion", section="joints", doc=__doc__,
     display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
         Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),

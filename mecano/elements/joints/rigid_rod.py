@@ -21,11 +21,7 @@ def parts(d, nodes, context):
 
 
 RIGID_ROD = Kind(
-    name="rigid_rod",
-    section="joints",
-    doc=__doc__,
-    display=Display("line"),
-    layout=("x0", "x1"),
+    name="rigid_rod", section="joints", doc=__doc__, display=Display("line"), layout=("x0", "x1"),
     fields=(
         ENDS,
         Field("length", NUMBER, "m", "length; the distance at the start when not given", None, check=positive),
@@ -37,4 +33,4 @@ RIGID_ROD = Kind(
     check=check_apart,
     sample=lambda rng: [({}, 2, ""), ({"length": 1.3}, 2, "")],
     **named(parts, observe),
-)
+)  # fmt: skip

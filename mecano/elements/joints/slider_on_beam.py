@@ -173,12 +173,8 @@ def sample(rng):
 
 
 SLIDER_ON_BEAM = Kind(
-    name="slider_on_beam",
-    section="joints",
-    doc=__doc__,
-    display=Display(pictures=("curves",), force="force"),
-    dtype=RECORD,
-    scalars=("position",),
+    name="slider_on_beam", section="joints", doc=__doc__, display=Display(pictures=("curves",), force="force"),
+    dtype=RECORD, scalars=("position",),
     fields=(
         Field("node", NODE, "-", "the slider, free to rotate"),
         Field("line", LINE, "-", "the beam, or its nodes from its start to its end"),
@@ -202,4 +198,4 @@ SLIDER_ON_BEAM = Kind(
     variant=lambda d: _of_size(len(d["line"])),
     **named(prepare, sample),
     **named(residual, constraints, observe, event_values, commit),
-)
+)  # fmt: skip

@@ -45,11 +45,7 @@ def sample(rng):
 
 
 SPHERICAL_HELD = Kind(
-    name="spherical_held",
-    section="joints",
-    doc=__doc__,
-    display=Display(force="force"),
-    layout=("x0", "x1"),
+    name="spherical_held", section="joints", doc=__doc__, display=Display(force="force"), layout=("x0", "x1"),
     fields=(
         NODES,
         friction_fields(radius("radius", "radius of the ball")),
@@ -62,7 +58,7 @@ SPHERICAL_HELD = Kind(
     check=lambda d, nodes: check_one_place(d, nodes) + check_friction(d),
     holds=lambda d: ("along_1", "along_2", "along_axis"),
     sample=sample,
-)
+)  # fmt: skip
 
 SPHERICAL = replace(
     SPHERICAL_HELD, name="spherical", shares=one_position, parts=nothing, observe=observe, hidden={"force": ""},

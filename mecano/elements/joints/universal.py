@@ -182,12 +182,8 @@ def sample(rng):
 
 
 UNIVERSAL_RUBBING = Kind(
-    name="universal_rubbing",
-    section="joints",
-    doc=__doc__,
-    display=Display(pictures=("angles",), force="force"),
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
+    name="universal_rubbing", section="joints", doc=__doc__, display=Display(pictures=("angles",), force="force"),
+    dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,
         Field("axis_a", DIRECTION, "-", "pin carried by a at the start, inertial"),

@@ -221,12 +221,8 @@ OUTPUTS = (
     Output("kinetic_energy", "J", "kinetic energy"),
 )
 BEAM = Kind(
-    name="beam",
-    section="elements",
-    doc=__doc__,
-    display=Display("beam", pictures=("beams",), axial="force"),
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
+    name="beam", section="elements", doc=__doc__, display=Display("beam", pictures=("beams",), axial="force"),
+    dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
     fields=(
         Field("nodes", NODE_PAIR, "-", "its ends"),
         Field("section", SECTION, "-", "cross section"),

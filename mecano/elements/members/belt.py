@@ -126,10 +126,7 @@ def sample(rng):
 
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its spans have the pretension when it begins to act", False)
 BELT = Kind(
-    name="belt",
-    section="elements",
-    doc=__doc__,
-    display=Display("belt"),
+    name="belt", section="elements", doc=__doc__, display=Display("belt"),
     fields=(
         Field("nodes", NODES, "-", "points and centres of pulleys, as the belt runs"),
         Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0 at a point"),
@@ -149,4 +146,4 @@ BELT = Kind(
         ("creep", CREEPING_END, "_1"),
     ),
     **named(parts, check, end_conditions, sample),
-)
+)  # fmt: skip

@@ -233,11 +233,7 @@ NATURAL = (
 
 def _bushing(set_points):
     return Kind(
-        name="bushing",
-        section="elements",
-        doc=__doc__,
-        dtype=RECORD,
-        layout=("x0", "R0", "x1", "R1"),
+        name="bushing", section="elements", doc=__doc__, dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
         fields=(
             Field("nodes", NODE_PAIR, "-", "nodes a (with the axes) and b; either may be ground"),
             Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
@@ -257,7 +253,7 @@ def _bushing(set_points):
         parts=lambda d, nodes, context: law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context),
         **named(prepare, check, limits, sample),
         **_functions(set_points),
-    )
+    )  # fmt: skip
 
 
 def _stress_free(set_points):

@@ -263,12 +263,9 @@ def _of_length(kind, functions):
 
 
 _BAR = Kind(
-    name="bar",
-    section="elements",
+    name="bar", section="elements",
     doc="Bar: an elastic line between two nodes that carries tension and compression.\n\n" + __doc__,
-    display=Display("cable", pictures=("cables",), axial="tension"),
-    dtype=record(**LINE_RECORD),
-    layout=("x0", "x1"),
+    display=Display("cable", pictures=("cables",), axial="tension"), dtype=record(**LINE_RECORD), layout=("x0", "x1"),
     fields=FIELDS,
     outputs=OUTPUTS,
     prepare=line_record,
@@ -278,7 +275,7 @@ _BAR = Kind(
     inertia=line_inertia,
     measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},
     sample=sample_bar,
-)
+)  # fmt: skip
 _TENSION_ONLY = replace(
     _BAR,
     name="cable",

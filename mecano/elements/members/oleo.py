@@ -323,14 +323,9 @@ OIL_FIELDS = (
     Field("laminar_speed", NUMBER, "m/s", "piston speed u_0 below which the flow is laminar", 1e-3, positive),
 )  # fmt: skip
 OLEO = Kind(
-    name="oleo",
-    section="elements",
-    doc=__doc__,
-    display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
-    dtype=RECORD,
-    layout=("x0", "x1"),
-    scalars=("oil_compression",),
-    massless=("oil_compression",),
+    name="oleo", section="elements", doc=__doc__,
+    display=Display("spring", pictures=("struts", "drop_test"), axial="force"), dtype=RECORD, layout=("x0", "x1"),
+    scalars=("oil_compression",), massless=("oil_compression",),
     fields=(
         Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
         Field("gas", mapping(*GAS_FIELDS), "-", "the gas chamber"),

@@ -297,9 +297,7 @@ OUTPUTS = (
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
 _ALWAYS_ACTIVE = Kind(
-    name="reeved_cable",
-    section="elements",
-    doc=__doc__,
+    name="reeved_cable", section="elements", doc=__doc__,
     display=Display("belt", pictures=("cables",), axial="tension"),
     fields=FIELDS,
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on", geometric=True)),
@@ -312,7 +310,7 @@ _ALWAYS_ACTIVE = Kind(
     variant=lambda d: _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d)),
     **named(prepare, parts, check, end_conditions, sample),
     **_functions(strain_by(payout_of(1, False))),
-)
+)  # fmt: skip
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "when it begins to act, its tension is its pretension", False)
 REEVED_CABLE = with_activation(_ALWAYS_ACTIVE, "cable", LYING, (_ALWAYS_ACTIVE, (1, 2, 3, *LYING)), STRESS_FREE)

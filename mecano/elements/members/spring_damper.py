@@ -104,12 +104,8 @@ def _stress_free(set_point):
 def _spring(functions):
     """Return the Kind of a spring with these ``functions`` of its set point, and with a release."""
     kind = Kind(
-        name="spring_damper",
-        section="elements",
-        doc=__doc__,
-        display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
-        dtype=RECORD,
-        layout=("x0", "x1"),
+        name="spring_damper", section="elements", doc=__doc__,
+        display=Display("spring", pictures=("struts", "drop_test"), axial="force"), dtype=RECORD, layout=("x0", "x1"),
         fields=(
             Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
             Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together",

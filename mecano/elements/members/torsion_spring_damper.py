@@ -99,12 +99,8 @@ def _stress_free(set_point):
 def _spring(functions):
     """Return the Kind of a spring with these ``functions`` of its set point, and with a release."""
     kind = Kind(
-        name="torsion_spring_damper",
-        section="elements",
-        doc=__doc__,
-        display=Display("nothing", pictures=("torsion_springs",)),
-        dtype=TWIST_LAW.dtype,
-        layout=("R0", "R1"),
+        name="torsion_spring_damper", section="elements", doc=__doc__,
+        display=Display("nothing", pictures=("torsion_springs",)), dtype=TWIST_LAW.dtype, layout=("R0", "R1"),
         fields=(
             NODES,
             Field("axis", DIRECTION, "-", "axis at the start, inertial"),

@@ -219,13 +219,11 @@ def times(d, start, end):
 
 
 DELAY = signal_of_input(
-    "delay",
-    __doc__,
-    Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
+    "delay", __doc__, Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     same_unit_as=lambda d: d["input"],
     memory=_memory(FEWEST),
     arrival="arrival",
     **named(residual, commit, in_run, times),
     follows_jumps=True,
     reads_past=True,
-)
+)  # fmt: skip

@@ -51,9 +51,7 @@ def sample(rng):
 
 
 FORMULA = Kind(
-    name="formula",
-    doc=__doc__,
-    dtype=record(program="i"),
+    name="formula", doc=__doc__, dtype=record(program="i"),
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
     same_unit_as=lambda d: d["value"],
     reads=lambda d: read_formula(d["value"]).references,
@@ -61,4 +59,4 @@ FORMULA = Kind(
     variant=lambda d: _of_size(len(read_formula(d["value"]).references)),
     **named(residual, sample),
     **IN_DECK,
-)
+)  # fmt: skip

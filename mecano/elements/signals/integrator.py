@@ -17,13 +17,11 @@ def residual(p, at, f):
 
 
 INTEGRATOR = signal_of_input(
-    "integrator",
-    __doc__,
-    INITIAL,
+    "integrator", __doc__, INITIAL,
     smooths=lambda d: True,
     same_unit_as=lambda d: d["input"],
     power_of_seconds=lambda d: 1.0,
     states=("value",),
     start=lambda p: [p["initial"]],
     residual=residual,
-)
+)  # fmt: skip

@@ -18,14 +18,11 @@ def residual(p, at, f):
 
 
 LAG = signal_of_input(
-    "lag",
-    __doc__,
-    Field("time_constant", NUMBER, "s", "time constant T", check=positive),
-    Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
-    INITIAL,
+    "lag", __doc__, Field("time_constant", NUMBER, "s", "time constant T", check=positive),
+    Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0), INITIAL,
     smooths=lambda d: True,
     same_unit_as=lambda d: d["input"] if d["gain"] == 1.0 else "",
     states=("value",),
     start=lambda p: [p["initial"]],
     residual=residual,
-)
+)  # fmt: skip

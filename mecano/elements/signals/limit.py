@@ -46,9 +46,7 @@ def check(d, nodes):
 
 
 LIMIT = signal_of_input(
-    "limit",
-    __doc__,
-    Field("lower", NUMBER, OF_INPUT, "least value; none when absent", -math.inf),
+    "limit", __doc__, Field("lower", NUMBER, OF_INPUT, "least value; none when absent", -math.inf),
     Field("upper", NUMBER, OF_INPUT, "greatest value; none when absent", math.inf),
     dtype=record(lower=(), upper=()),
     phases=PHASES,
@@ -58,4 +56,4 @@ LIMIT = signal_of_input(
     prepare=lambda d, nodes, context: limits_of(d),
     sample=lambda rng: [({"input": "a", "lower": -0.05, "upper": 0.1}, 1, phase) for phase in PHASES],
     **named(check, residual, event_values),
-)
+)  # fmt: skip

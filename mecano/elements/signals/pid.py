@@ -142,11 +142,8 @@ def sample(rng):
 
 
 PID = signal_of_input(
-    "pid",
-    __doc__,
-    Field("proportional", NUMBER, "-", "K_P", 0.0),
-    Field("integral", NUMBER, "-", "K_I, per second", 0.0),
-    Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
+    "pid", __doc__, Field("proportional", NUMBER, "-", "K_P", 0.0),
+    Field("integral", NUMBER, "-", "K_I, per second", 0.0), Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
     Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
     Field("lower", NUMBER, OF_VALUE, "lower limit of the value; none when absent", -math.inf),
     Field("upper", NUMBER, OF_VALUE, "upper limit of the value; none when absent", math.inf),

@@ -75,20 +75,14 @@ def sampling_times(d, start, end):
 
 
 SAMPLE_AND_HOLD = signal_of_input(
-    "sample_and_hold",
-    __doc__,
-    Field("period", NUMBER, "s", "T, time between two samples", check=positive),
+    "sample_and_hold", __doc__, Field("period", NUMBER, "s", "T, time between two samples", check=positive),
     replace(
         INITIAL,
         default=None,
         doc="value in the first period, and in an equilibrium; that of the input when absent",
     ),
     Field(
-        "resolution",
-        NUMBER,
-        OF_VALUE,
-        "samples are rounded to whole multiples of it; 0: not at all",
-        0.0,
+        "resolution", NUMBER, OF_VALUE, "samples are rounded to whole multiples of it; 0: not at all", 0.0,
         check=not_negative,
     ),
     jumps=lambda d: True,
@@ -97,4 +91,4 @@ SAMPLE_AND_HOLD = signal_of_input(
     memory=("held", "start", "count"),
     reads_past=True,
     **named(residual, commit, prepare, sampling_times),
-)
+)  # fmt: skip

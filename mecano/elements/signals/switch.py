@@ -36,12 +36,10 @@ def check(d, nodes):
 
 
 SWITCH = signal_of_input(
-    "switch",
-    __doc__,
+    "switch", __doc__,
     Field("upper", NUMBER, OF_INPUT, "level of the input above which the switch becomes high", 0.0),
     Field("lower", NUMBER, OF_INPUT, "level below which it becomes low again; 'upper' when absent", None),
-    Field("high", FORMULA, "-", "value when it is high", "1"),
-    Field("low", FORMULA, "-", "value when it is low", "0"),
+    Field("high", FORMULA, "-", "value when it is high", "1"), Field("low", FORMULA, "-", "value when it is low", "0"),
     jumps=lambda d: True,
     dtype=record(upper=(), lower=()),
     inputs=("input", "high", "low"),
@@ -52,4 +50,4 @@ SWITCH = signal_of_input(
     ),
     prepare=lambda d, nodes, context: {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]},
     **named(check, residual, event_values),
-)
+)  # fmt: skip

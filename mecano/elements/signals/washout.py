@@ -37,16 +37,13 @@ def is_rate(d):
 
 
 WASHOUT = signal_of_input(
-    "washout",
-    __doc__,
-    Field("time_constant", NUMBER, "s", "time constant T", check=positive),
+    "washout", __doc__, Field("time_constant", NUMBER, "s", "time constant T", check=positive),
     Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
     Field("initial_state", NUMBER, OF_INPUT, "x at the start: the input from which changes count", 0.0),
     same_unit_as=lambda d: d["input"] if d["gain"] == 1.0 or is_rate(d) else "",
     power_of_seconds=lambda d: -1.0 if is_rate(d) else 0.0,
-    scalars=("value", "state"),
-    states=("state",),
+    scalars=("value", "state"), states=("state",),
     outputs=(VALUE, STATE),
     start=lambda p: [0.0, p["initial_state"]],
     **named(residual, observe),
-)
+)  # fmt: skip

@@ -91,13 +91,8 @@ def sample(rng):
 
 
 CARDONA_WHEEL = Kind(
-    name="cardona_wheel",
-    section="elements",
-    doc=__doc__,
-    display=WHEEL_DISPLAY,
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="cardona_wheel", section="elements", doc=__doc__, display=WHEEL_DISPLAY, dtype=RECORD, layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
     **named(prepare, parts, check, end_conditions, observe, sample),
-)
+)  # fmt: skip

@@ -96,13 +96,9 @@ def sample(rng):
 
 
 MECANUM_WHEEL = Kind(
-    name="mecanum_wheel",
-    section="elements",
-    doc=__doc__,
-    display=WHEEL_DISPLAY,
-    dtype=record(axis=3, radius=(), along=2, **GROUND_RECORD),
-    layout=("x0", "R0"),
+    name="mecanum_wheel", section="elements", doc=__doc__, display=WHEEL_DISPLAY,
+    dtype=record(axis=3, radius=(), along=2, **GROUND_RECORD), layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
     **named(prepare, parts, check, end_conditions, observe, sample),
-)
+)  # fmt: skip

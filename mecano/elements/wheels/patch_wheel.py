@@ -265,14 +265,8 @@ def with_round_tread(kind, **declared):
 def patch_wheel(name, doc, massless, events=EVENTS, **functions):
     """Return the Kind of a wheel with a flexible patch; ``functions``: residual, observe, and those of constraints."""
     return Kind(
-        name=name,
-        section="elements",
-        doc=doc,
-        display=TYRE_DISPLAY,
-        dtype=record(**RECORD, **FRICTION_RECORD),
-        layout=("x0", "R0"),
-        scalars=SCALARS,
-        massless=massless,
+        name=name, section="elements", doc=doc, display=TYRE_DISPLAY, dtype=record(**RECORD, **FRICTION_RECORD),
+        layout=("x0", "R0"), scalars=SCALARS, massless=massless,
         fields=FIELDS,
         outputs=OUTPUTS,
         phases=PHASES,
@@ -282,4 +276,4 @@ def patch_wheel(name, doc, massless, events=EVENTS, **functions):
         **named(prepare, check, limits, remedies, end_conditions, sample),
         event_values=event_values_with(flat_on_ground),
         **functions,
-    )
+    )  # fmt: skip

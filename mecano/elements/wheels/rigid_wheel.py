@@ -67,14 +67,10 @@ OPTIONS = (
     Field("axle", choice("free", "level"), "-", "free to lean, or kept parallel to the plane of the ground", "free"),
     Field("unilateral", BOOLEAN, "-", "whether it may leave the ground", False),
     Field(
-        "crown_radius",
-        NUMBER,
-        "m",
-        "radius of a rounded tread, seen along the wheel; part of 'radius'",
-        0.0,
+        "crown_radius", NUMBER, "m", "radius of a rounded tread, seen along the wheel; part of 'radius'", 0.0,
         not_negative,
     ),
-)
+)  # fmt: skip
 
 
 def compiled(tread_on_ground):
@@ -202,12 +198,7 @@ def variant(d):
 
 
 RIGID_WHEEL = Kind(
-    name="rigid_wheel",
-    section="elements",
-    doc=__doc__,
-    display=WHEEL_DISPLAY,
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="rigid_wheel", section="elements", doc=__doc__, display=WHEEL_DISPLAY, dtype=RECORD, layout=("x0", "R0"),
     fields=(*FIELDS, *OPTIONS),
     outputs=OUTPUTS,
     phases=("contact", "air"),
@@ -221,4 +212,4 @@ RIGID_WHEEL = Kind(
     variant=variant,
     **compiled(flat_on_ground),
     **named(prepare, parts, check, end_conditions, sample),
-)
+)  # fmt: skip

@@ -57,12 +57,8 @@ def sample(rng):
 
 
 SKATE = Kind(
-    name="skate",
-    section="elements",
-    doc=__doc__,
-    display=Display(pictures=("wheels",), force="contact_force"),
-    dtype=RECORD,
-    layout=("x0", "R0"),
+    name="skate", section="elements", doc=__doc__, display=Display(pictures=("wheels",), force="contact_force"),
+    dtype=RECORD, layout=("x0", "R0"),
     fields=(
         Field("node", NODE, "-", "where the blade touches the ground"),
         Field("axis", DIRECTION, "-", "direction across the blade at the start, inertial; forward is axis x normal"),
@@ -78,4 +74,4 @@ SKATE = Kind(
     **no_slip(_contact, 1),
     prepare=lambda d, nodes, context: {"axis": carried_axis(d, nodes), "normal": unit(d["ground"]["plane"]["normal"])},
     **named(check, end_conditions, observe, sample),
-)
+)  # fmt: skip
