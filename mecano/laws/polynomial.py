@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term
+from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term, along
 from mecano.schema import COEFFICIENT_LIST, NUMBER, Field, requirement
 
 SHOWN = 257  # number of arguments that resolve the shape of a polynomial
@@ -56,7 +56,7 @@ COEFFICIENTS = Field(
 CONSTANT = Term(
     name="constant", doc="The same value everywhere; a plain number means the same.", role="curve",
     fields=(Field("value", NUMBER, VALUE, "the value"),),
-    along_line=lambda values, slope, offset: {},
+    along_line=along(),
     pack=lambda values: [1, values["value"]],
     evaluate=polynomial, integral=polynomial_integral,
 )  # fmt: skip

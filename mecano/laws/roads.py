@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, along
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive, requirement
 
 
@@ -86,13 +86,6 @@ def pack_random(values):
     ]
 
 
-def random_along_line(values, slope, offset):
-    """Return the values of the road that is met at slope t + offset."""
-    lengths = {name: (values[name] - offset) / slope for name in ("start", "origin")}
-    frequencies = {name: values[name] * slope for name in ("reference", "lowest", "highest")}
-    return {**lengths, **frequencies, "density": values["density"] / slope, "lead_in": values["lead_in"] / slope}
-
-
 def shape_of_bump(values, low, high):
     """Return equally spaced arguments of the bump, from just after its start to just before its end."""
     start, end = values["start"], values["start"] + values["length"]
@@ -115,10 +108,7 @@ BUMP = Term(
         Field("height", NUMBER, VALUE, "its height; negative for a dip"),
     ),
     evaluate=bump, integral=bump_integral, shape=shape_of_bump,
-    along_line=lambda values, slope, offset: {
-        "start": (values["start"] - offset) / slope,
-        "length": values["length"] / slope,
-    },
+    along_line=along(places=("start",), lengths=("length",)),
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
     landmarks=lambda values: [values["start"] + 0.5 * values["length"]],
 )  # fmt: skip
@@ -152,7 +142,7 @@ RANDOM = Term(
     evaluate=waves,
     integral=waves_integral,
     shape=shape_of_random,
-    along_line=random_along_line,
+    along_line=along(("start", "origin"), ("density", "lead_in"), ("reference", "lowest", "highest")),
     frequency=lambda values: values["highest"] if values["density"] else 0.0,
     breakpoints=lambda values: [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else [],
     check=lambda values: [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"],

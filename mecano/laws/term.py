@@ -53,6 +53,19 @@ def of_rate(curve):
     return damper
 
 
+def along(places=(), lengths=(), rates=()):
+    """Return ``along_line`` of a term some of whose fields are places, lengths or rates along its argument."""
+
+    def along_line(values, slope, offset):
+        return {
+            **{name: (values[name] - offset) / slope for name in places},
+            **{name: values[name] / slope for name in lengths},
+            **{name: values[name] * slope for name in rates},
+        }
+
+    return along_line
+
+
 @immutable
 class Term:
     """One summand of a law.

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, along
 from mecano.schema import NUMBER, Field, not_negative
 
 
@@ -143,7 +143,7 @@ RAMP = Term(
     evaluate=ramp,
     integral=ramp_integral,
     check=lambda values: [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"],
-    along_line=lambda values, slope, offset: {x: (values[x] - offset) / slope for x in ("start", "end")},
+    along_line=along(places=("start", "end")),
     breakpoints=lambda values: [values["start"], values["end"]],
 )
 
@@ -159,10 +159,7 @@ STEP = Term(
     ),
     evaluate=step,
     integral=step_integral,
-    along_line=lambda values, slope, offset: {
-        "time": (values["time"] - offset) / slope,
-        "rise": values["rise"] / slope,
-    },
+    along_line=along(places=("time",), lengths=("rise",)),
     shape=lambda values, low, high: values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1),
     # A smooth edge has no corner, but a time step must not skip it.
     breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
@@ -179,9 +176,6 @@ EXPONENTIAL = Term(
         Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
     ),
     evaluate=exponential, integral=exponential_integral, shape=shape_of_exponential,
-    along_line=lambda values, slope, offset: {
-        "rate": values["rate"] * slope,
-        "origin": (values["origin"] - offset) / slope,
-    },
+    along_line=along(places=("origin",), rates=("rate",)),
     breakpoints=lambda values: [values["origin"]],
 )  # fmt: skip
