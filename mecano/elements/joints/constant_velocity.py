@@ -17,14 +17,12 @@ the position. A universal joint turns its second shaft unevenly.
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.twist import turned, twist_gradient
 from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_samples import SPRUNG, rotation
 from mecano.constraints.pair import AXIS_B, bent_place, held, pair_force
-from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -71,7 +69,6 @@ def sample(rng):
     return [
         (d, nodes, ""),
         ({**d, "axis_1": np.array([0.0, 1.0, 2.0]), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
     ]
 
 

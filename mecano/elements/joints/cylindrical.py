@@ -15,12 +15,10 @@ outputs force and moment include only what holds b; laws and friction have outpu
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING, TURNING
 from mecano.constraints.guide_friction import ROUND_FRICTION
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_places
-from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, lower_pair
 from mecano.schema import DIRECTION, Field
@@ -38,7 +36,6 @@ def sample(rng):
         ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
         ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
     ]
 
 

@@ -9,12 +9,10 @@ couples the axes see ``bushing``. With ``release`` it holds b by multipliers unt
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import Outputs
 from mecano.constraints.joint_nodes import check_one_place, one_position, one_rotation, turned_apart
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
-from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -46,7 +44,6 @@ def sample(rng):
         ({}, [node, node], ""),
         ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
         ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
-        *((SAMPLE, [node, node], phase) for phase in RELEASE_PHASES),
         ({}, [node, (node[0], ORIENTATIONS[0])], ""),
     ]
 

@@ -19,7 +19,6 @@ friction have outputs of their own.
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION
 from mecano.constraints.joint_nodes import check_one_place, one_position
@@ -59,7 +58,6 @@ def sample(rng):
         ({**d, **law, "natural_angle": "command"}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
     ]
 
 

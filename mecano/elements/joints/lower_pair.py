@@ -12,6 +12,7 @@ from itertools import chain
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.law import bounds
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.joint_nodes import NODES, check_axis_1
@@ -27,7 +28,7 @@ from mecano.constraints.pair import (
     put_reactions,
     rigid_axes,
 )  # fmt: skip
-from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
+from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable, with_samples
 from mecano.constraints.triads import not_flipped
 from mecano.element_interface import FREELY, Display, Kind, nothing
 from mecano.immutable import immutable
@@ -139,12 +140,13 @@ def lower_pair(name, doc, pair, sample):
     def prepare(d, nodes, context):
         return pair_record(pair.place(d, nodes, context), pair.held, d["compliance"], context)
 
-    rigid = rigid_pair(name, doc, pair, sample)
+    rigid = rigid_pair(name, doc, pair)
     excluded = (*dict.fromkeys(field for field, _, _ in pair.optional), "compliance")
     kind = replace(
         rigid, dtype=PAIR_RECORD, fields=(*pair.declared, compliance_field(pair.held), RELEASE),
         optional=(*pair.optional, *law_outputs("compliance", pair.held)), prepare=prepare,
         check=lambda d, nodes: rigid.check(d, nodes) + check_release(d, excluded),
+        sample=lambda rng: with_samples(sample(rng), RELEASE_PHASES),
     )  # fmt: skip
     released = _released(kind, pair)
     return replace(kind, variant=lambda d: released if d["release"] else kind)

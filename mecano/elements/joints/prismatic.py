@@ -15,13 +15,11 @@ axis. The outputs force and moment include only what holds b; law and friction h
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION
 from mecano.constraints.joint_nodes import one_rotation, turned_apart
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel, two_places
-from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -53,7 +51,6 @@ def sample(rng):
         ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
         ({**d, **SLIDE_STOPPED}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
         (d, two_places(rng), ""),
     ]
 
