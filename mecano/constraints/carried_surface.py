@@ -33,21 +33,19 @@ CARRIED_RECORD = {
     "surface_axis": 3, "surface_origin": 3, "cylindrical": (), "drum_radius": (), "drum_side": (), "drum_curvature": (),
     "crown": (),
 }  # fmt: skip
-SURFACES = {
-    "plane": mapping(
-        Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the wheel"),
-        Field("point", POINT, "m", "a point at the start, inertial; the first node when absent", None),
-    ),
-    "cylinder": mapping(
-        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field("radius", NUMBER, "m", "radius of the drum", check=positive),
-        Field("center", POINT, "m", "a point of the axis at the start, inertial; the first node when absent", None),
-        Field("inside", BOOLEAN, "-", "whether the wheel rolls on the inner surface", False),
-    ),
-}
+PLANE = mapping(
+    Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the wheel"),
+    Field("point", POINT, "m", "a point at the start, inertial; the first node when absent", None),
+)
+CYLINDER = mapping(
+    Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+    Field("radius", NUMBER, "m", "radius of the drum", check=positive),
+    Field("center", POINT, "m", "a point of the axis at the start, inertial; the first node when absent", None),
+    Field("inside", BOOLEAN, "-", "whether the wheel rolls on the inner surface", False),
+)
 FIELDS = (
-    Field("plane", SURFACES["plane"], "-", "plane fixed in the first node", None),
-    Field("cylinder", SURFACES["cylinder"], "-", "infinite cylinder, fixed in the first node", None),
+    Field("plane", PLANE, "-", "plane fixed in the first node", None),
+    Field("cylinder", CYLINDER, "-", "infinite cylinder, fixed in the first node", None),
 )
 LEAST_DISTANCE = 1e-9  # [m] of the centre from the axis of a drum, where the direction to the wheel is not defined
 LEAST_SLOPE = 1e-6  # [m] bound of -df/dphi, which is positive where the contact is single

@@ -14,24 +14,8 @@ import math
 
 import numpy as np
 
-from mecano.constraints.touching import (
-    Shapes,
-    Touch,
-    approach_of_turning,
-    check_place_on_b,
-    named_surface,
-    origin_on_b,
-)
-from mecano.constraints.touching_cam import (
-    CAM_RECORD,
-    END,
-    ITERATIONS,
-    MOST,
-    ROUNDING,
-    TURN,
-    cam_record,
-    check_cam_for,
-)
+from mecano.constraints.touching import Shapes, Touch, approach_of_turning, check_place_on_b, named_surface, origin_on_b
+from mecano.constraints.touching_cam import CAM_RECORD, END, ITERATIONS, MOST, ROUNDING, TURN, cam_record, check_cam_for
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve_and_slope, evaluate_curve

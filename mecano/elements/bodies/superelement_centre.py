@@ -31,10 +31,7 @@ from mecano.elements.bodies.superelement_frame import (
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
-from mecano.maths.rotation_vector import (
-    inverse_coefficients,
-    inverse_tangent_rate,
-)  # fmt: skip
+from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent_rate
 from mecano.maths.vector import cross, cross_columns, dot, mat, outer, put, vec
 
 

@@ -224,18 +224,6 @@ def _check_length(d, nodes):
     return [f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long"]
 
 
-def end_conditions(d):
-    """Return the end conditions of a cable that leaves a pulley, and of neighbours that leave no span between them."""
-    return [
-        ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
-        (
-            "closeness",
-            CLOSEST,
-            "has no free span left between two neighbouring pulleys, or a pulley and its end: they are too close",
-        ),
-    ]
-
-
 @cache
 def _of(n, by_signal, released, stress_free):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}", geometric=True) for i in range(1, n + 1))
@@ -296,6 +284,11 @@ OUTPUTS = (
     Output("lift_off", "rad", "angle by which the cable has left a pulley", geometric=True),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
+END_CONDITIONS = [
+    ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
+    ("closeness", CLOSEST, "has no free span left between two neighbouring pulleys, or a pulley and its end: they are "
+     "too close"),
+]  # fmt: skip
 _ALWAYS_ACTIVE = Kind(
     name="reeved_cable", section="elements", doc=__doc__,
     display=Display("belt", pictures=("cables",), axial="tension"),
@@ -308,7 +301,8 @@ _ALWAYS_ACTIVE = Kind(
     optional=(("friction", CAPSTAN, ""),),
     limits=lambda d: [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")],
     variant=lambda d: _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d)),
-    **named(prepare, parts, check, end_conditions, sample),
+    end_conditions=lambda d: END_CONDITIONS,
+    **named(prepare, parts, check, sample),
     **_functions(strain_by(payout_of(1, False))),
 )  # fmt: skip
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys

@@ -8,14 +8,7 @@ Reaching and leaving a limit are events, at which time steps end. A limit that v
 
 import math
 
-from mecano.constraints.along_coordinate.limits import (
-    PHASES,
-    WITHIN,
-    limit_events,
-    limited,
-    limits_of,
-    write_distances,
-)
+from mecano.constraints.along_coordinate.limits import PHASES, between_limits, limited, limits_of, write_distances
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
 from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
@@ -49,9 +42,7 @@ LIMIT = signal_of_input(
     "limit", __doc__, Field("lower", NUMBER, OF_INPUT, "least value; none when absent", -math.inf),
     Field("upper", NUMBER, OF_INPUT, "greatest value; none when absent", math.inf),
     dtype=record(lower=(), upper=()),
-    phases=PHASES,
-    at_start=lambda p: WITHIN,
-    events=limit_events("the input"),
+    **between_limits("the input"),
     same_unit_as=lambda d: d["input"],
     prepare=lambda d, nodes, context: limits_of(d),
     sample=lambda rng: [({"input": "a", "lower": -0.05, "upper": 0.1}, 1, phase) for phase in PHASES],

@@ -19,14 +19,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.limits import (
-    PHASES,
-    WITHIN,
-    limit_events,
-    limited,
-    limits_of,
-    write_distances,
-)
+from mecano.constraints.along_coordinate.limits import PHASES, between_limits, limited, limits_of, write_distances
 from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
 from mecano.element_interface import Output, named, record
 from mecano.jit.kernel import kernel
@@ -153,9 +146,7 @@ PID = signal_of_input(
     ),
     replace(INITIAL, doc="integral x_I at the start"),
     dtype=RECORD,
-    phases=PHASES,
-    at_start=lambda p: WITHIN,
-    events=limit_events("the demand"),
+    **between_limits("the demand"),
     outputs=(VALUE, *STATES),
     variant=lambda d: _with(_scalars(d)),
     **named(prepare, check, residual, observe, event_values, sample),
