@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from mecano.constraints.triads import triad
 from mecano.element_interface import Place
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.model.model import Element, Model, Node
 from mecano.model.system import System
 

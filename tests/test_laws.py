@@ -9,9 +9,9 @@ from scipy.interpolate import PchipInterpolator
 
 from mecano.analyses.law_tests import OF_TERMS
 from mecano.laws import TERMS
-from mecano.laws.line import along_line, line_of_time
+from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve, evaluate_force, kinks, potential
+from mecano.laws.line_of_time import along_line, line_of_time
 from mecano.laws.probe import curve_at, shape_of_curve
-from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, kinks, potential
 from mecano.schema import REQUIRED
 
 CUBIC = {"points": [[-2, 1.0], [-1, 0.2], [0, 0], [0.5, 0.3], [2, 4.0]], "interpolation": "cubic", "beyond": "extend"}

@@ -8,7 +8,7 @@ from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import units_in
 from mecano.element_interface import Context
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.schema import MOTION
 
 OF_TIME = [

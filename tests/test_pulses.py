@@ -10,7 +10,7 @@ from time_runs import RecordedRun, deck
 from mecano.deck.build import time_breakpoints, time_landmarks
 from mecano.laws.formula import read_formula
 from mecano.laws.formula_pulses import pulses
-from mecano.laws.table import landmarks
+from mecano.laws.law_table import landmarks
 
 MASS = """
     mecano: 1

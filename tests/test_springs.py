@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from mecano.analyses.kind_samples import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 
 LINEAR = (("spring", {"stiffness": 10.0}), ("damper", {"coefficient": 2.0}))
 STOP = (("stop", {"stiffness": 100.0, "lower": -0.3, "upper": 0.2, "damping": 0.0}),)

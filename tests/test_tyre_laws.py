@@ -12,7 +12,7 @@ from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 
 FRICTION = {
     "friction": (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),),

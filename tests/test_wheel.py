@@ -8,8 +8,8 @@ from time_runs import RecordedRun, deck
 from mecano.analyses.kind_samples import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements.wheels.wheel import AIR, CONTACT, WHEEL
+from mecano.laws.law_table import LawTable
 from mecano.laws.probe import curve_at
-from mecano.laws.table import LawTable
 from mecano.maths import so3, surface
 from mecano.maths.vector import Vec3
 

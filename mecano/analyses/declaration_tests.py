@@ -6,7 +6,7 @@ from mecano.analyses.kind_samples import GRAVITY, samples
 from mecano.deck.units import UnitError, written_in_si
 from mecano.element_interface import Context, Kind, Output
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.schema import Field
 
 

@@ -14,7 +14,7 @@ from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import UsageError
 from mecano.laws.formula import evaluate_formula, read_formula
-from mecano.laws.table import terms_of
+from mecano.laws.law_table import terms_of
 from mecano.maths.dual import Dual
 from mecano.model.system import System
 from mecano.schema import MOTION

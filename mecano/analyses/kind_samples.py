@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from mecano.element_interface import Context, Kind, Place
 from mecano.elements import KINDS
 from mecano.jit.null_matrix import NULL_MATRIX, NullMatrix
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.maths.dual import Dual
 from mecano.maths.dual import value as number_in
 from mecano.model.mesh import Frame

@@ -12,7 +12,7 @@ from mecano.element_interface import Context, record
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip, SlipForces, SlipLaw
 from mecano.elements.wheels.tire_law import slip_law_of
-from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
+from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
 from mecano.maths.vector import Vec3
 
 if TYPE_CHECKING:

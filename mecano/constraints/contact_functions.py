@@ -11,7 +11,7 @@ from mecano.constraints.touching import ROUNDING, sliding
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
-from mecano.laws.table import curve
+from mecano.laws.law_table import curve
 from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 

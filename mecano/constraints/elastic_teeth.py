@@ -16,7 +16,7 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import FAR, put_stop_events
 from mecano.constraints.tooth_friction import tooth_friction
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve_and_slope, law_force, potential
+from mecano.laws.law_table import curve_and_slope, law_force, potential
 from mecano.maths.dual import chain, value
 from mecano.schema import NUMBER, Field, list_of, mapping, not_negative, positive
 

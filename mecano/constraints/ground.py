@@ -13,8 +13,8 @@ import numpy as np
 from mecano.constraints.triads import unit
 from mecano.element_interface import Context, Output
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve
 from mecano.laws.probe import corners, curve_at, jumps
-from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.dual import chain, implicit, sqrt, value
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
 from mecano.maths.vector import Vec3, dot, vec

@@ -25,7 +25,7 @@ from mecano.constraints.of_coordinates import (
 from mecano.constraints.triads import triad, turned_onto
 from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import law_force
+from mecano.laws.law_table import law_force
 from mecano.maths.dual import constant, number, select
 from mecano.maths.vector import Vec3, cross, mat, put
 from mecano.schema import DIRECTION, LAW, Field, mapping

@@ -6,7 +6,7 @@ force has a corner.
 
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
-from mecano.laws.table import kinks
+from mecano.laws.law_table import kinks
 
 FAR = 1e30  # [m or rad]: a stop that is never reached, for event values that must be finite
 PHASES = ("below", "between", "above")

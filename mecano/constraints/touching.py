@@ -26,7 +26,7 @@ from mecano.constraints.stop_phases import FAR
 from mecano.constraints.triads import unit
 from mecano.element_interface import Context
 from mecano.jit.kernel import kernel
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
 from mecano.schema import BOOLEAN, CURVE, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive

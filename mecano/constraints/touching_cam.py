@@ -22,8 +22,8 @@ import numpy as np
 from mecano.constraints.touching import Shapes, Touch, approach, surface_point, touch_at_start
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve_and_slope, evaluate_curve
 from mecano.laws.probe import corners, curve_values, shape_of_curve
-from mecano.laws.table import curve_and_slope, evaluate_curve
 from mecano.maths.dual import cos, implicit, sin, sqrt, value
 from mecano.maths.vector import dot, mat, vec
 

@@ -18,7 +18,7 @@ from mecano.constraints.touching import Shapes, Touch, approach_of_turning, chec
 from mecano.constraints.touching_cam import CAM_RECORD, END, ITERATIONS, MOST, ROUNDING, TURN, cam_record, check_cam_for
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve_and_slope, evaluate_curve
+from mecano.laws.law_table import curve_and_slope, evaluate_curve
 from mecano.maths.dual import atan2, cos, implicit, sin, value
 from mecano.maths.vector import dot, mat, vec
 from mecano.schema import DIRECTION, POINT, Field, mapping

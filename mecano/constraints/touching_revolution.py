@@ -19,8 +19,8 @@ import numpy as np
 from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, surface_point, touch_at_start
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve_and_slope, evaluate_curve
 from mecano.laws.probe import corners, curve_at, shape_of_curve
-from mecano.laws.table import curve_and_slope, evaluate_curve
 from mecano.maths.dual import at_least, implicit, sqrt, value
 from mecano.maths.vector import dot, mat, norm, vec
 

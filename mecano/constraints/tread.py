@@ -10,7 +10,7 @@ from mecano.constraints.torus import touch_torus
 from mecano.constraints.triads import unit
 from mecano.element_interface import Context
 from mecano.jit.kernel import kernel
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.maths.dual import constant
 from mecano.maths.surface import Contact
 from mecano.maths.vector import Vec3, dot

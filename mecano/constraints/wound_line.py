@@ -35,7 +35,7 @@ from mecano.constraints.line_phases import put_line_events
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, Event, Kind, Part, Row, named, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve, evaluate_curve
+from mecano.laws.law_table import curve, evaluate_curve
 from mecano.maths.dual import chain, number, select, value
 
 RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)

@@ -13,7 +13,7 @@ from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws.formula import read_formula
 from mecano.laws.formula_rate import LONGEST
-from mecano.laws.table import LawTable, breakpoints, landmarks
+from mecano.laws.law_table import LawTable, breakpoints, landmarks
 from mecano.model.model import Element, Model, Node
 
 if TYPE_CHECKING:

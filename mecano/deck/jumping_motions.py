@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.element_interface import Kind
+from mecano.laws.law_table import breakpoints
 from mecano.laws.probe import JUMP, curve_values
-from mecano.laws.table import breakpoints
 from mecano.schema import MOTION, Values
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mecano.constraints.along_coordinate.demand import as_formula
-from mecano.laws.table import LawTable, evaluate_force
+from mecano.laws.law_table import LawTable, evaluate_force
 
 if TYPE_CHECKING:
     from mecano.deck.lint import LocatedWarning

@@ -17,7 +17,7 @@ from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind, nothing
 from mecano.errors import Problem, name_list
-from mecano.laws.table import breakpoints
+from mecano.laws.law_table import breakpoints
 from mecano.model.mesh import divides, inner_names
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ def put_curves_of_time(signals: "dict[str, Values]", sloping: Container[str]) ->
         d for name, d in signals.items() if d["type"] == "curve" and type(d["law"]) is tuple and name not in sloping
     ]
     for d in (d for d in curves if d["input"].strip() != "time"):
-        from mecano.laws.line import along_line, line_of_time  # few decks need it
+        from mecano.laws.line_of_time import along_line, line_of_time  # few decks need it
 
         try:
             line = line_of_time(_of_time(d["input"], signals, ()))

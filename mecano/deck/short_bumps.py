@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.laws import TERMS
-from mecano.laws.table import terms_of
+from mecano.laws.law_table import terms_of
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck

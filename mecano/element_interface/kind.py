@@ -12,7 +12,7 @@ from mecano.immutable import immutable
 from mecano.schema import Field, Values
 
 if TYPE_CHECKING:
-    from mecano.laws.table import LawTable
+    from mecano.laws.law_table import LawTable
 
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis

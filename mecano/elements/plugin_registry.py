@@ -9,7 +9,7 @@ from mecano.elements.wheels.tire_law import register as register_slip_law
 from mecano.errors import UsageError
 from mecano.jit.digest import is_digested
 from mecano.laws import TERMS
-from mecano.laws.table import evaluate_curve, number_terms
+from mecano.laws.law_table import evaluate_curve, number_terms
 from mecano.laws.term import Term
 
 REGISTRIES = {Kind: ("kind", KINDS), SlipLaw: ("slip law", SLIP_LAWS), Term: ("term of a law", TERMS)}

@@ -1,7 +1,7 @@
 """Laws: scalar functions with exact derivatives, shared by all elements that need one.
 
 A checked law is a tuple of (term name, {field: value}), whose terms are summed. The terms are registered here, one
-line each; see mecano.laws.table for their evaluation.
+line each; see mecano.laws.law_table for their evaluation.
 """
 
 from mecano.laws.acceleration import ACCELERATION

@@ -8,7 +8,7 @@ damping dissipates :math:`(N - F)\,\dot w \ge 0`.
 """
 
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve_and_slope, potential
+from mecano.laws.law_table import curve_and_slope, potential
 from mecano.maths.dual import at_least, at_most
 
 

@@ -1,7 +1,7 @@
 """Formulas of signals: arithmetic of numbers, the time and named quantities, evaluated with exact derivatives.
 
 A formula is a text, such as ``40*(0.5 - elbow.angle) - 2*elbow.rate``. It becomes a program of the flat table of laws
-(table.py): pairs of an operation and a number, for a stack of ``DEPTH`` places. One compiled function evaluates the
+(law_table.py): pairs of an operation and a number, for a stack of ``DEPTH`` places. One compiled function evaluates the
 programs of all formulas, so a new formula compiles nothing.
 """
 

@@ -5,7 +5,7 @@ A normal force N and a sliding speed u give the friction :math:`\mu(u)\,\phi(u)\
 """
 
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve
+from mecano.laws.law_table import curve
 from mecano.maths.dual import at_least, select
 from mecano.schema import NUMBER, Field, positive
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from mecano.jit.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
-from mecano.laws.table import LawTable, breakpoints, evaluate_curve, terms_of
+from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve, terms_of
 from mecano.laws.tabulated import TABLE, held_ends
 from mecano.maths.distinct import distinct
 

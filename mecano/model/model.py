@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from mecano.element_interface import Kind
-    from mecano.laws.table import LawTable
+    from mecano.laws.law_table import LawTable
     from mecano.schema import Values
 
 

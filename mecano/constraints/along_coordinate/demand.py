@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve, terms_of
+from mecano.laws.law_table import evaluate_curve, terms_of
 from mecano.maths.dual import number
 
 LAW = (("linear", {"slope": 0.5, "offset": 3.0}),)  # of samples

@@ -21,7 +21,7 @@ from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
 from mecano.laws.formula_rate import with_rates
-from mecano.laws.table import evaluate_curve
+from mecano.laws.law_table import evaluate_curve
 from mecano.maths.dual import chain, value
 
 HELD = 0

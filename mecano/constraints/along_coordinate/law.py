@@ -13,8 +13,8 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import evaluate_curve, law_force, potential, terms_of
 from mecano.laws.probe import table_bounds
-from mecano.laws.table import evaluate_curve, law_force, potential, terms_of
 from mecano.maths.dual import value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 

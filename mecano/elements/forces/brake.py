@@ -33,7 +33,7 @@ from mecano.elements.wheels.crown import crown_of
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
-from mecano.laws.table import curve
+from mecano.laws.law_table import curve
 from mecano.maths.dual import at_least, at_most, constant, select, sqrt
 from mecano.maths.surface import directions
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec

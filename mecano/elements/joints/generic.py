@@ -39,7 +39,7 @@ from mecano.constraints.triads import not_flipped
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
-from mecano.laws.table import evaluate_curve
+from mecano.laws.law_table import evaluate_curve
 from mecano.maths.dual import number, value
 from mecano.maths.vector import mat
 from mecano.schema import DIRECTION, MOTION, Field, choice, list_of, mapping

@@ -26,8 +26,8 @@ from mecano.constraints.joint_coordinates import add_load, axes_of, declarations
 from mecano.constraints.joint_samples import two_places
 from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve_and_slope
 from mecano.laws.probe import corners, curve_at
-from mecano.laws.table import curve_and_slope
 from mecano.laws.term import ARGUMENT, VALUE
 from mecano.maths.dual import number, value
 from mecano.schema import CURVE, NUMBER, Field, joint_with, positive

@@ -34,7 +34,7 @@ from mecano.constraints.release import with_release
 from mecano.constraints.triads import triad
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
+from mecano.laws.law_table import evaluate_curve
 from mecano.maths.dual import number
 from mecano.maths.so3 import log, tangent_inverse
 from mecano.maths.vector import ZERO, Vec3, add_vec, cross, dot, mat, put, vec

@@ -61,8 +61,8 @@ from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import terms_of
 from mecano.laws.probe import curve_at
-from mecano.laws.table import terms_of
 from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 

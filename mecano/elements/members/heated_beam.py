@@ -19,7 +19,7 @@ from mecano.element_interface import with_fields
 from mecano.elements.members.beam_elastic import add_elastic, add_free_derivative
 from mecano.elements.members.beam_inertia import add_inertia
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
+from mecano.laws.law_table import evaluate_curve
 from mecano.maths.vector import Vec3, dot, mat, vec
 from mecano.schema import CONTINUOUS_DRIVE, Field, mapping
 

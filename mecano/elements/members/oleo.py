@@ -38,8 +38,8 @@ from mecano.element_interface import Display, Kind, Measured, Output, named, rec
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
 from mecano.laws.gas_chambers import GAS_RECORD, gas_at, gas_pull, gas_values
+from mecano.laws.law_table import curve, law_force, terms_of
 from mecano.laws.probe import curve_at
-from mecano.laws.table import curve, law_force, terms_of
 from mecano.maths.dual import at_least, number, select, sqrt, value
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 

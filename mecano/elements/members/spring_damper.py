@@ -22,8 +22,8 @@ from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import law_force
 from mecano.laws.probe import curve_at, table_bounds
-from mecano.laws.table import law_force
 from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 
 RECORD = record(**LAW_RECORD)

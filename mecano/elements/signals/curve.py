@@ -13,8 +13,8 @@ from mecano.constraints.along_coordinate.signal import OF_SLOPE, VALUE, signal_o
 from mecano.element_interface import Output, named
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import read_formula
+from mecano.laws.law_table import breakpoints, curve, curve_and_slope
 from mecano.laws.probe import corners, places_of_jumps
-from mecano.laws.table import breakpoints, curve, curve_and_slope
 from mecano.laws.term import VALUE as VALUE_UNIT
 from mecano.maths.dual import number
 from mecano.schema import CURVE as CURVE_LAW

@@ -1,8 +1,9 @@
-r"""Tyres with a rounded tread: a torus that is pressed into the ground along the normal.
+r"""Rounded treads of tyres: field of the tyre law, its slip law, and the equations, whose contact is in torus.py.
 
-The tyre of a motorcycle is a torus: its tread has the radius e = ``crown_radius``, seen along the wheel, around a
-middle circle of the radius R_m = radius - e. As the wheel leans, its contact moves across the tread. With the height h
-of the centre over the ground, along its normal n at the contact C, and q, c of a disc (mecano/maths/surface.py):
+The tyre of a motorcycle is a torus that is pressed into the ground along the normal: its tread has the radius e =
+``crown_radius``, seen along the wheel, around a middle circle of the radius R_m = radius - e. As the wheel leans, its
+contact moves across the tread. With the height h of the centre over the ground, along its normal n at the contact C,
+and q, c of a disc (mecano/maths/surface.py):
 
     deformation          w = R_m q + e - h                dw/dt = -n.(v + omega x (C - x))
     contact              C = x + R_m c - (e - w) n,       on the ground below the middle circle

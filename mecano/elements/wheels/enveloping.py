@@ -34,8 +34,8 @@ import numpy as np
 
 from mecano.elements.wheels.slip_law import default_values
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import breakpoints, curve_and_slope
 from mecano.laws.probe import curve_values
-from mecano.laws.table import breakpoints, curve_and_slope
 from mecano.laws.tabulated import table_law
 from mecano.maths.dual import at_least, select, sqrt, value
 from mecano.maths.vector import cross, dot, vec

@@ -14,8 +14,8 @@ import numpy as np
 from mecano.constraints.ground import in_plane
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
-from mecano.laws.table import curve
 from mecano.maths.dual import at_least, constant
 from mecano.maths.vector import cross, dot, vec
 

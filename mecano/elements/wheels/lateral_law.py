@@ -58,7 +58,7 @@ from mecano.elements.wheels.string_law import (
 )
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
-from mecano.laws.table import curve
+from mecano.laws.law_table import curve
 from mecano.maths.vector import Vec3, add_vec, dot, mat, vec
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive, requirement
 

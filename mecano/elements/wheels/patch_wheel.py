@@ -15,7 +15,6 @@ from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
-from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
@@ -31,6 +30,7 @@ from mecano.elements.wheels.lateral_law import (
 from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
 from mecano.elements.wheels.sliding_friction import prepare as prepare_friction
 from mecano.elements.wheels.slip_law import Slip, unchanged
+from mecano.elements.wheels.start_warnings import start_warnings
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force
 from mecano.elements.wheels.tire_wheel import (
     CONTACT,

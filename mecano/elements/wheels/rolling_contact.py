@@ -14,10 +14,10 @@ from mecano.constraints.torus import torus_contact
 from mecano.constraints.tread import flat, flat_on_ground, rounded, rounded_on_ground
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
-from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
+from mecano.elements.wheels.start_warnings import start_warnings
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
     EVENTS,

@@ -32,8 +32,8 @@ from functools import cache
 from mecano.elements.wheels.slip_law import SlipForces, slipping
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
+from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
-from mecano.laws.table import curve
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share

@@ -14,8 +14,8 @@ from mecano.element_interface import recorded_values
 from mecano.elements.wheels.slip_law import SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
+from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
-from mecano.laws.table import curve
 from mecano.maths.dual import at_least
 from mecano.maths.vector import ZERO, dot, norm
 from mecano.schema import CURVE, NUMBER, Field, positive

@@ -37,7 +37,6 @@ from mecano.constraints.touching import check_one_surface, named_surface
 from mecano.constraints.tread import flat, rounded
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
-from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.crown import crown_of, with_crown
 from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import Surface
@@ -53,6 +52,7 @@ from mecano.elements.wheels.rolling_contact import (
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.start_warnings import start_warnings_on_body
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.elements.wheels.tire_wheel import AIR, CONTACT, deepest, large_wheel, put_depths
 from mecano.jit.kernel import kernel

@@ -24,8 +24,8 @@ F(phi) k G_m/|G| is added to the moment.
 from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipLaw, check_twist
 from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, slip_speeds, turn_slip, with_powers
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
-from mecano.laws.table import curve
 from mecano.maths.dual import at_least, atan2, select, sqrt
 from mecano.maths.vector import norm
 from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.element_interface import nothing
-from mecano.laws.table import LawTable
+from mecano.laws.law_table import LawTable
 from mecano.model.model import Element, Model
 from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
