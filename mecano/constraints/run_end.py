@@ -17,12 +17,10 @@ def event_values(p, at, g):
 
 
 RUN_END = Kind(
-    name="time",
-    doc="The condition at which a run ends.",
+    name="time", doc="The condition at which a run ends.",
     inputs=("condition",),
     reads=lambda d: [difference_of(d["until"])],
     phases=("running", "ended"),
     events=(Event("ends the run", "running", "ended", "the condition becomes true", condition=True, ends_run=True),),
-    residual=residual,
-    event_values=event_values,
-)
+    residual=residual, event_values=event_values,
+)  # fmt: skip

@@ -57,6 +57,5 @@ GAS_SPRING = Term(
         Field("length", NUMBER, "m", "length L of the gas column at zero extension", check=positive),
         Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic (air)", check=positive),
     ),
-    evaluate=gas_spring,
-    integral=gas_energy,
-)
+    evaluate=gas_spring, integral=gas_energy,
+)  # fmt: skip

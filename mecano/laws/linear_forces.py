@@ -12,9 +12,8 @@ SPRING = Term(
     role="force",
     fields=(Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension"),),
     pack=lambda values: [2, 0.0, values["stiffness"]],
-    evaluate=ELASTIC,
-    integral=polynomial_integral,
-)
+    evaluate=ELASTIC, integral=polynomial_integral,
+)  # fmt: skip
 
 DAMPER = Term(
     name="damper", doc="F = coefficient v.", role="force",

@@ -84,11 +84,10 @@ STOP = Term(
         Field("upper", NUMBER, "m or rad", "extension of the upper stop; none when absent", math.inf),
         Field("damping", NUMBER, "s/m or s/rad", "damping relative to the elastic force", 0.0, not_negative),
     ),
-    evaluate=stop,
-    integral=stop_energy,
+    evaluate=stop, integral=stop_energy,
     check=some_stop,
     stops=corners,
-)
+)  # fmt: skip
 
 DEAD_BAND = Term(
     name="dead_band",
@@ -101,8 +100,7 @@ DEAD_BAND = Term(
         Field("upper", NUMBER, "m or rad", "extension at which the free play ends"),
     ),
     pack=pack_play,
-    evaluate=stop,
-    integral=stop_energy,
+    evaluate=stop, integral=stop_energy,
     check=not_crossed,
     stops=ends_of_play,
-)
+)  # fmt: skip

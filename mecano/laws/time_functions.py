@@ -140,12 +140,11 @@ RAMP = Term(
         Field("from", NUMBER, VALUE, "value before"),
         Field("to", NUMBER, VALUE, "value after"),
     ),
-    evaluate=ramp,
-    integral=ramp_integral,
+    evaluate=ramp, integral=ramp_integral,
     check=lambda values: [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"],
     along_line=along(places=("start", "end")),
     breakpoints=lambda values: [values["start"], values["end"]],
-)
+)  # fmt: skip
 
 STEP = Term(
     name="step",

@@ -100,8 +100,7 @@ def _load(name, quantity, unit_of_load, dead, following):
 
     per = f"{quantity} per length"
     kind = Kind(
-        name=name,
-        section="loads",
+        name=name, section="loads",
         doc=f"{quantity.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
         dtype=OF_LINE,
         fields=(
@@ -117,7 +116,7 @@ def _load(name, quantity, unit_of_load, dead, following):
         check=check_line,
         prepare=lambda d, nodes, context: {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)},
         **named(parts, sample),
-    )
+    )  # fmt: skip
     return on_demand(kind, _of_line, "value", 0)
 
 

@@ -73,8 +73,7 @@ def sample(rng):
 
 
 CONSTANT_VELOCITY = sharing_pair(
-    "constant_velocity",
-    __doc__,
+    "constant_velocity", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis of the shaft of a at the start, inertial"),
         held=HELD,
@@ -86,4 +85,4 @@ CONSTANT_VELOCITY = sharing_pair(
     ),
     Shared(one_position, ("about_axis",), _put_reactions_of_shared, ("force",), check_one_place),
     sample,
-)
+)  # fmt: skip

@@ -40,8 +40,7 @@ def sample(rng):
 
 
 CYLINDRICAL = lower_pair(
-    "cylindrical",
-    __doc__,
+    "cylindrical", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
         held=("about_2", "about_1", "along_1", "along_2"),
@@ -50,4 +49,4 @@ CYLINDRICAL = lower_pair(
         options=(TURNING_LAW, SLIDING_LAW, SLIDE_ENDS, friction_option(ROUND_FRICTION, "about_axis", RADIUS, LENGTH)),
     ),
     sample,
-)
+)  # fmt: skip

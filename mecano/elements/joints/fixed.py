@@ -49,8 +49,7 @@ def sample(rng):
 
 
 FIXED = sharing_pair(
-    "fixed",
-    __doc__,
+    "fixed", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
         held=AXES,
@@ -73,4 +72,4 @@ FIXED = sharing_pair(
         turned_apart,
     ),
     sample,
-)
+)  # fmt: skip

@@ -62,8 +62,7 @@ def sample(rng):
 
 
 HINGE = sharing_pair(
-    "hinge",
-    __doc__,
+    "hinge", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         held=HELD,
@@ -75,4 +74,4 @@ HINGE = sharing_pair(
     ),
     Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), check_one_place),
     sample,
-)
+)  # fmt: skip

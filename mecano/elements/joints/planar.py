@@ -36,8 +36,7 @@ def sample(rng):
 
 
 PLANAR = rigid_pair(
-    "planar",
-    __doc__,
+    "planar", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; carried by a"),
         held=("about_2", "about_1", "along_axis"),
@@ -47,4 +46,4 @@ PLANAR = rigid_pair(
         reactions=Outputs((Output("force", "N", "force of a on b along the normal"), MOMENT), _put_reactions),
     ),
     sample,
-)
+)  # fmt: skip

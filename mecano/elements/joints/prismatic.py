@@ -56,8 +56,7 @@ def sample(rng):
 
 
 PRISMATIC = sharing_pair(
-    "prismatic",
-    __doc__,
+    "prismatic", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "direction of sliding at the start, inertial; carried by a"),
         held=HELD,
@@ -67,4 +66,4 @@ PRISMATIC = sharing_pair(
     ),
     Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), apart=turned_apart),
     sample,
-)
+)  # fmt: skip

@@ -72,8 +72,7 @@ def sample(rng):
 
 
 SCREW = rigid_pair(
-    "screw",
-    __doc__,
+    "screw", __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
         held=HELD,

@@ -242,13 +242,12 @@ BEAM = Kind(
 )  # fmt: skip
 HEATED_BEAM = replace(
     BEAM,
-    name="heated_beam",
-    dtype=thermal_record(RECORD),
+    name="heated_beam", dtype=thermal_record(RECORD),
     prepare=lambda d, nodes, context: thermal_values(d, prepare(d, nodes, context), context),
     force=force_by_laws,
     by_lanes=False,
     observe=observed(observe_from, of_laws),
-)
+)  # fmt: skip
 HEATED_BY_SIGNALS = replace(
     HEATED_BEAM,
     name="beam_heated_by_signals",

@@ -313,20 +313,14 @@ def _stress_free(natural):
 _GIVEN, _HOOKED = _cable(_cable_functions), _cable(_stress_free)
 WOUND_CABLE = replace(
     _GIVEN,
-    name="wound_cable",
-    dtype=wound_line.RECORD,
-    phases=wound_line.PHASES,
-    events=wound_line.EVENTS,
-    memory=wound_line.MEMORY,
+    name="wound_cable", dtype=wound_line.RECORD,
+    phases=wound_line.PHASES, events=wound_line.EVENTS, memory=wound_line.MEMORY,
     prepare=prepare_wound,
     parts=lambda d, nodes, context: wound_line.wound_parts(prepare_wound(d, nodes, context)),
     variant=None,
-    residual=None,
-    inertia=None,
-    observe=wound_line.observe,
-    event_values=wound_line.event_values,
+    residual=None, inertia=None, observe=wound_line.observe, event_values=wound_line.event_values,
     commit=wound_line.commit,
-)
+)  # fmt: skip
 STRESS_FREE = Field(
     "stress_free", BOOLEAN, "-", "when it begins to act it has only its pretension, whatever the distance", False
 )

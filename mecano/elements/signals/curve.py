@@ -58,11 +58,10 @@ def sample(rng):
 
 
 CURVE = signal_of_input(
-    "curve",
-    __doc__,
+    "curve", __doc__,
     Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
     outputs=(VALUE, SLOPE),
     jumps=lambda d: bool(places_of_jumps(d["law"])),
     output_jumps=lambda d, output: output == SLOPE.name and bool(corners(d["law"])),
     **named(residual, observe, times, sample),
-)
+)  # fmt: skip

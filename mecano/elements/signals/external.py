@@ -37,15 +37,13 @@ def commit(p, at, m_out):
 
 
 EXTERNAL = Kind(
-    name="external",
-    doc=__doc__,
+    name="external", doc=__doc__,
     **IN_DECK,
     fields=(INITIAL, UNIT_OF_VALUE),
     jumps=lambda d: True,
-    memory=("value", "started"),
-    is_set=True,
+    memory=("value", "started"), is_set=True,
     **named(residual, commit),
-)
+)  # fmt: skip
 
 
 def with_external_values(system: "System", s: "State", given: Mapping[str, float]) -> np.ndarray:

@@ -96,9 +96,7 @@ def samples(rng):
 
 ADHESIVE_WHEEL = replace(
     patch_wheel(
-        "adhesive_wheel",
-        __doc__,
-        ("psi", "bow"),
+        "adhesive_wheel", __doc__, ("psi", "bow"),
         events=(
             Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP, brief=True),
             LIFT_OFF,
@@ -109,5 +107,5 @@ ADHESIVE_WHEEL = replace(
     check=check_adhesive,
     variant=variant,
     sample=samples,
-)
+)  # fmt: skip
 ROUND = with_round_tread(ADHESIVE_WHEEL, name="adhesive_wheel_crowned", **compiled(ROUND_PATCH))

@@ -211,29 +211,25 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
     radial force and those of the law, all but the last from ``prepare``; ``fields``: of the Kind.
     """
     return Kind(
-        section="elements",
-        dtype=record(axis=3, **own_record, **RADIAL_RECORD, **law.record),
-        phases=PHASES,
-        events=EVENTS,
+        section="elements", dtype=record(axis=3, **own_record, **RADIAL_RECORD, **law.record),
+        phases=PHASES, events=EVENTS,
         prepare=lambda d, nodes, context: {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)},
         **named(limits, end_conditions),
         **compiled(law),
         **fields,
-    )
+    )  # fmt: skip
 
 
 def wheel_on_ground(law, compiled, **fields):
     """Return the Kind of a wheel of ``wheel_with`` on a ground."""
     return wheel_with(
-        law,
-        compiled,
-        display=TYRE_DISPLAY,
-        layout=("x0", "R0"),
+        law, compiled,
+        display=TYRE_DISPLAY, layout=("x0", "R0"),
         fields=FIELDS,
         start_warnings=start_warnings,
         event_values=contact_of(law)[1],
         **fields,
-    )
+    )  # fmt: skip
 
 
 def by_slip_law(make, first):

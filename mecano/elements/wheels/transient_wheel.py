@@ -191,16 +191,12 @@ def with_law(law):
     """Return the Kind with a SlipLaw, whose contact is twisted if the law says so."""
     scalars = (*SCALARS, "psi") if law.twists else SCALARS
     return wheel_on_ground(
-        law,
-        compiled,
+        law, compiled,
         own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
-        name="transient_wheel",
-        doc=__doc__,
-        scalars=scalars,
-        massless=scalars,
+        name="transient_wheel", doc=__doc__, scalars=scalars, massless=scalars,
         outputs=(*OUTPUTS, *CARCASS_OUTPUTS),
         **named(prepare, check, sample),
-    )
+    )  # fmt: skip
 
 
 TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

@@ -98,10 +98,9 @@ with_law = partial(
     compiled=compiled,
     own_record={**GROUND_RECORD, **SURFACE_RECORD},
     prepare=prepare_wheel,
-    name="wheel",
-    doc=__doc__,
+    name="wheel", doc=__doc__,
     outputs=OUTPUTS,
     check=check_wheel,
     sample=sample,
-)
+)  # fmt: skip
 WHEEL = by_slip_law(with_law, SLIP_LAWS["friction"])

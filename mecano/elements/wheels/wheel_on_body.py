@@ -186,8 +186,7 @@ with_law = partial(
     wheel_with,
     compiled=compiled,
     own_record=CARRIED_RECORD,
-    name="wheel_on_body",
-    doc=__doc__,
+    name="wheel_on_body", doc=__doc__,
     display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
     layout=("x1", "R1", "x0", "R0"),
     fields=(
@@ -199,5 +198,5 @@ with_law = partial(
     outputs=OUTPUTS,
     start_warnings=start_warnings_on_body,
     **named(prepare, check, sample),
-)
+)  # fmt: skip
 WHEEL_ON_BODY = by_slip_law(with_law, SLIP_LAWS["friction"])
