@@ -69,3 +69,32 @@ def test_conditions_that_end_no_run_are_warned_of(tmp_path, until, rows, text):
 def test_a_condition_of_an_unknown_name_is_refused():
     with pytest.raises(mecano.errors.DeckError, match="'bal'"):
         mecano.check(_fall("bal.position.z < 0"))
+
+
+STANDING = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {ball: {position: [0, 0, 0.1]}, lamp: {position: [1, 0, 2]}}
+    elements:
+      ball: {type: rigid_body, node: ball, mass: 1, inertia: [0.004, 0.004, 0.004]}
+      lamp: {type: rigid_body, node: lamp, mass: 1, inertia: [0.004, 0.004, 0.004]}
+      floor: {type: contact, nodes: [ground, ball], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1}
+    joints:
+      cord: {type: fixed, nodes: [ground, lamp], release: {when: floor.closed < 0.5}}
+    loads:
+      lift: {type: force, node: ball, direction: [0, 0, 1], value: {linear: {slope: 98.1}}}
+    time: {end: 1, step: 1 ms, until: lamp.position.z < 1.95}
+    """
+
+
+def test_conditions_hold_or_not_with_the_contacts_closed_at_the_start(tmp_path):
+    """A ball that stands on the floor is lifted by its weight at 0.1 s; then the lamp falls 50 mm."""
+    deck = mecano.Deck(yaml.safe_load(STANDING))
+    results = mecano.run(deck, tmp_path / "standing.h5")
+    names = [(event.name, event.time) for event in results.events]
+    assert [name for name, _ in names] == ["closes", "opens", "releases", "ends the run"]
+    np.testing.assert_allclose([t for _, t in names], [0, 0.1, 0.1, 0.1 + np.sqrt(0.1 / 9.81)], atol=1e-9)
+    for t, free in ((0.05, 5), (0.15, 12)):  # modes about a saved state find the same phases
+        assert list(mecano.modes(deck, at=(results, t), number=20).kinds) == ["free"] * free
+    deck["time"]["until"] = "floor.closed < 0.5"
+    assert mecano.run(deck, tmp_path / "until.h5").time[-1] == pytest.approx(0.1, abs=1e-9)

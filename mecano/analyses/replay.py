@@ -61,10 +61,13 @@ def replayed(
             _spin(system, state, results.time, r, nodes, traces)
         place_row(system, state, results.time, r, nodes, traces, scalars)
         state.memory = system.commit(solve_signals(system, state))
+        before = state.phases
         state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
+        settled = state.phases
         while events and events[0].time <= now:  # positions do not determine whether a contact is open
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
+        state = monitor.settle_again(state, before, settled) if r == 0 else state
     return state
 
 

@@ -141,6 +141,16 @@ class EventMonitor:
             s, _ = self.apply(s, hit)
         return s
 
+    def settle_again(self, s: "State", before: np.ndarray, settled: np.ndarray) -> "State":
+        """Return ``s`` with the phases that ``settle`` changed, ``before`` to ``settled`` (n_elements,), found anew.
+
+        A condition on a contact that touches is judged in this way when the contact has closed.
+        """
+        anew, least = (settled != before) & (s.phases == settled), np.full(self.system.n_events, np.inf)
+        for batch in self._batches:
+            batch.events(least)[anew[batch.phases]] = 0.0
+        return self.settle(replace(s, phases=np.where(anew, before, s.phases)), least) if anew.any() else s
+
 
 class NoEvents(EventMonitor):
     """Monitor that detects no events: elements keep their phases."""

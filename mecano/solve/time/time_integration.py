@@ -105,12 +105,17 @@ class TimeIntegrator:
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
         Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
-        separate are open, even if rounding makes them overlap.
+        separate are open, even if rounding makes them overlap. Conditions hold or not with the contacts closed.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        s, history = start_stiff(self.method, self.monitor.settle(s, self.shocks.touching), h)
+        before, settled = s.phases, self.monitor.settle(s, self.shocks.touching)
+        s, history = start_stiff(self.method, settled, h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
+        again = self.monitor.settle_again(run.motion, before, settled.phases) if self.start_events else run.motion
+        if np.any(again.phases != run.motion.phases):
+            run, more = self._close_pressed(self._start_again(run, again))
+            self.start_events += more
         return run
 
     def _close_pressed(self, run):
