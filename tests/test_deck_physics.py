@@ -156,6 +156,19 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
             "unknown key 'motor'",
             "a torque is a load, {type: joint_moment",
         ),
+        ("value: 1.0", "value: 1.0, speed: 2", "unknown key 'speed'", "a motion at a constant rate has the"),
+        (
+            "time:",
+            "initial: {angles: {pin: 1}}\ntime:",
+            "unknown key 'initial.angles'",
+            "the positions at the start are those of the nodes",
+        ),
+        (
+            "time:",
+            "signals: {a: {type: transfer_function, input: 1, numerator: [1], denominator: [1], num: [1]}}\ntime:",
+            "unknown key 'num'",
+            "here it is called 'numerator'",
+        ),
         (
             "step: 0.1",
             "step: 0.1, adaptive: {tol: 1}",

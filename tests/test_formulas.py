@@ -129,6 +129,7 @@ def test_parameters_are_numbers_in_formulas():
         ("2*rail.displacement.rate", "cannot be measured: the rate of 'displacement' is 'velocity'", ""),
         ("rail.rate", "'rate' of 'rail' cannot be measured: the rate of 'displacement' is 'velocity'", ""),
         ("cart.position", "'position' of 'cart' cannot be measured", "'position.x'"),
+        ("cart.x", "'x' of 'cart' cannot be measured: write position.x or velocity.x", ""),
         ("cart.rotation.z", "'rotation.z' of 'cart' cannot be measured: read the angle of a joint, or", ""),
         ("cart.acceleration.x", "cannot be measured: read the 'washout' of a component of the velocity", ""),
         ("body.mass", "'mass' of 'body' cannot be measured", "kinetic_energy"),

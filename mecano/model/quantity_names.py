@@ -22,6 +22,7 @@ OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to r
         "read the angle of a joint, or add an element of the type 'attitude' with this node and read its yaw, pitch or "
         "roll",
     ),
+    **{axis: f"write position.{axis} or velocity.{axis}" for axis in AXES},
     "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant; an element "
     "of the type 'attitude' has the acceleration as an output for plots",
 }
