@@ -665,8 +665,8 @@ def test_growth_that_ends_at_a_value_of_the_sweep(values, where, tmp_path):
     text = OSCILLATOR.replace("-100*", "-$damping*").replace(" - $damping*t.velocity", "")
     (tmp_path / "o.yaml").write_text(textwrap.dedent(text))
     (locus,) = sweep(tmp_path / "o.yaml", (), [f"damping={values}"]).loci
-    reason = "; the critical value was not refined, because no mode has a branch at both"
-    assert locus.unrefined == ([f"growth {where}{reason}"] if where else [])
+    reason = "; the critical value was not refined, because no mode has a branch at both: shift the values of the sweep"
+    assert locus.unrefined == ([f"growth {where}{reason} a little"] if where else [])
 
 
 def test_values_of_a_sweep():

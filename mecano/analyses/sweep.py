@@ -347,7 +347,8 @@ def _unseen(axis, count, rows, spectra):
         what = f"growth {'begins' if count[i + 1] else 'ends'}"
         low, high = axis.values[i : i + 2] / axis.size
         between = f"between {axis.name} {low:.9g} and {high:.9g}"
-        yield f"{what} {between}; the critical value was not refined, because no mode has a branch at both"
+        cause = "no mode has a branch at both: shift the values of the sweep a little"
+        yield f"{what} {between}; the critical value was not refined, because {cause}"
 
 
 def _first_line(error):
