@@ -111,13 +111,13 @@ def chain(process, links=8, span=1.0, length=1.2, mass=0.5):
 
 
 class Equilibrium:
-    """A deck with ``static`` at the end of its path; without loads, at its start."""
+    """A deck with ``static`` at the end of its path; without loads and laws of time, at its start."""
 
     def __init__(self, text):
         checked = deck(text)
         prepared = prepare(checked)
         self.system, self.state = prepared.system, prepared.state
-        if checked.values["loads"]:
+        if checked.values["loads"] or checked.values["static"]["over"] == "time":
             self.state = follow(prepared).point.state
 
     def tangent(self, cK=1.0, cM=0.0):
