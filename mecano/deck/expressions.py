@@ -153,7 +153,7 @@ def evaluate(text: str, parameters: "Parameters", bare: bool = False) -> float:
     try:
         tree = _tree(body.replace("$", "_").strip())
     except SyntaxError as error:
-        units = ": expressions contain no units" if UNIT.search(body) else ""
+        units = ": expressions contain no units, give them to a parameter" if UNIT.search(body) else ""
         raise _wrong(text, f"cannot be understood{units}", skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise _wrong(text, "cannot be understood") from None
