@@ -3,13 +3,33 @@
 from textwrap import dedent
 
 import numpy as np
+from convergence import pair
 from scipy.linalg import eigvals
+from scipy.spatial.transform import Rotation
 from small_motions import eigenvalues
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.sweep import sweep
 
 S, g = "Motions of textbooks", 9.81
+
+
+def test_a_cat_turns_over_without_angular_momentum(verify):
+    """Each half turns by -psi about its axis, and the bent body by psi/2 about the line of the spine."""
+    at = np.arange(1, 9) / 20
+    u = at / 0.4
+    psi = 2 * np.pi * u**3 * (10 - 15 * u + 6 * u**2)
+    body = Rotation.from_rotvec(-psi[:, None] * [np.sqrt(0.75), 0, 0.5])
+    space = Rotation.from_rotvec(psi[:, None] * [0.5, 0, 0])
+    exact = (space * body * Rotation.from_rotvec([0, -np.pi / 6, 0])).as_quat()[:, [3, 0, 1, 2]]
+    coarse, fine = pair("falling_cat", lambda run: run["nodes/front/rotation"], at, 5e-3)
+    signs = np.sign(np.sum(exact * fine, axis=1))[:, None]
+    source = "Kane & Scher 1969"
+    verify.second_order(S, "falling cat: attitude of a half", coarse, fine, signs * exact, 1e-5, source)
+    waist = RecordedRun(input_deck("falling_cat"))["nodes/waist/position"][-1]
+    lowest = 1 - 0.5 * g * 0.4**2 + 2 * 0.06  # the centre of mass is now below the waist
+    np.testing.assert_allclose(waist, [0, 0, lowest], atol=1e-5)
+
 
 LADDER = """
     mecano: 1

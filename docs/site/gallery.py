@@ -58,13 +58,14 @@ FILMS = (
     "andrews", "ball_in_pipe", "ball_on_turntable", "beam_spin_up", "belt_drive", "bicycle", "billiards",
     "block_and_tackle", "bricard", "cable_catch", "cam", "cam_float", "car", "caster_shimmy",
     "controlled_double_pendulum", "crane", "crosswind_landing", "deployment_lock", "docking", "double_pendulum",
-    "ellipsoids", "flat_follower", "flexible_pendulum", "flexible_ring", "flexible_slider_crank", "flyball_governor",
-    "four_bar", "free_body", "friction_pendulum", "gears", "gimbal", "heavy_top", "hoist", "landing_roll",
-    "main_gear", "mecanum", "motorcycle", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear",
-    "panel_lock", "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack", "reflector", "release",
-    "rocking_block", "rods", "rolling_disc", "rope_brake", "ship_deck", "sleigh", "slider_crank", "snap_pin",
-    "solar_array", "spherical_pendulum", "stewart", "strut", "superelement_arm", "synchronised_panels", "thruster",
-    "trailing_wheel_bump", "twin_wheel_gear", "tyre_drum", "wheel_drop", "winder", "woodpecker", "yo_yo_despin",
+    "ellipsoids", "falling_cat", "flat_follower", "flexible_pendulum", "flexible_ring", "flexible_slider_crank",
+    "flyball_governor", "four_bar", "free_body", "friction_pendulum", "gears", "gimbal", "heavy_top", "hoist",
+    "landing_roll", "main_gear", "mecanum", "motorcycle", "moving_load", "n_four_bar", "nose_gear_rigid",
+    "nose_landing_gear", "panel_lock", "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack",
+    "reflector", "release", "rocking_block", "rods", "rolling_disc", "rope_brake", "ship_deck", "sleigh",
+    "slider_crank", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut", "superelement_arm",
+    "synchronised_panels", "thruster", "trailing_wheel_bump", "twin_wheel_gear", "tyre_drum", "wheel_drop",
+    "winder", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
 FILM_SIZE, FILM_STEP, FILM_QUALITY = (280, 225), 4, 50  # pixels, at most; every fourth frame
