@@ -286,7 +286,7 @@ def test_massless_nodes(more, expected):
     ("start", "end", "said"),
     [
         (0.0, 0.5, None), (0.5, 1.0, None),
-        (1.0, 2.0, "before the start at 1 s: it happens at the start, without an event"),
+        (1.0, 2.0, "before the start at 1 s: it happens at the start"),
         (0.0, 0.4, "after the end at 0.4 s: it does not happen in this run"),
     ],
 )  # fmt: skip

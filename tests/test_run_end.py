@@ -98,3 +98,61 @@ def test_conditions_hold_or_not_with_the_contacts_closed_at_the_start(tmp_path):
         assert list(mecano.modes(deck, at=(results, t), number=20).kinds) == ["free"] * free
     deck["time"]["until"] = "floor.closed < 0.5"
     assert mecano.run(deck, tmp_path / "until.h5").time[-1] == pytest.approx(0.1, abs=1e-9)
+
+
+HANGING = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {hook: {position: [0, 0, 0], fixed: true}, bob: {position: [0, 0, -1]}, lamp: {position: [1, 0, 2]}}
+    elements:
+      bob: {type: point_mass, node: bob, mass: 1}
+      lamp: {type: rigid_body, node: lamp, mass: 1, inertia: [0.004, 0.004, 0.004]}
+    joints:
+      rod: {type: rigid_rod, nodes: [hook, bob]}
+      cord: {type: fixed, nodes: [ground, lamp], release: {when: WHEN}}
+    signals: {level: {type: switch, input: bob.position.z, upper: -2}}
+    time: {end: 0.1, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize(
+    ("when", "happens"),
+    [
+        ("rod.tension < 9", False), ("rod.tension > 9", True), ("cord.force.magnitude < 9", False),
+        ("level < 0.5", False), ("level > 0.5", True), ("time > -1", True),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("initial", [{}, {"static": True}])
+def test_conditions_at_the_start_see_its_reactions_and_switches(when, happens, initial, tmp_path):
+    """The rod and the cord carry 9.81 N at the start, which is not known when phases are first chosen."""
+    deck = mecano.Deck(yaml.safe_load(HANGING.replace("WHEN", when)))
+    deck["initial"] = initial
+    results = mecano.run(deck, tmp_path / "hanging.h5")
+    assert [(event.name, event.time) for event in results.events] == [("releases", 0.0)] * happens
+    assert results["lamp.position.z"][-1] == pytest.approx(2.0 - 0.5 * 9.81 * 0.1**2 * happens, abs=1e-9)
+    assert len(mecano.modes(deck, at=(results, 0.05), number=20).kinds) == 2 + 6 * happens
+
+
+STEADY = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {axle: {position: [0, 0, 0.3]}, hub: {position: [0, 0, 0.3]}}
+    elements:
+      load: {type: rigid_body, node: axle, mass: 200, inertia: [1, 1, 1]}
+      rim: {type: rigid_body, node: hub, mass: 10, inertia: [0.4, 0.7, 0.4]}
+      wheel: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: tyre, ground: road}
+    joints:
+      upright: {type: held_rotation, nodes: [ground, axle]}
+      bearing: {type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}
+    tire_laws: {tyre: {radius: 0.3, radial: {linear: {slope: 2.0e5}}, friction: 0.9, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    time: {end: 0.1, step: 1 ms, until: wheel.normal_force < 100}
+"""
+
+
+@pytest.mark.parametrize("initial", [{"static": True}, {"steady": {"velocity": [10, 0, 0]}}])
+def test_a_wheel_that_carries_load_at_the_start_has_not_lifted_off(initial, tmp_path):
+    """In the deck the tyre is not deformed yet."""
+    deck = mecano.Deck(yaml.safe_load(STEADY))
+    deck["initial"] = initial
+    assert mecano.run(deck, tmp_path / "steady.h5").time[-1] == pytest.approx(0.1)

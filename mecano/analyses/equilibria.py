@@ -12,7 +12,7 @@ from mecano.model.output_limits import ended, has_end_conditions, watched_output
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.events import EventMonitor, NoEvents
+from mecano.solve.events.events import EventMonitor, NoEvents, Searching
 from mecano.solve.statics.arc_length import ArcLength, Target
 from mecano.solve.statics.continuation import Follower, Observer, Point, Steps
 from mecano.solve.statics.loading import Clock, LoadFactor, Loading
@@ -159,7 +159,12 @@ def _settled(prepared: Prepared) -> "State":
     """Return the start at rest, with elements in the phases that its positions imply."""
     s = prepared.state.copy()
     s.v[:] = 0.0
-    return EventMonitor(prepared.system).settle(s)
+    return _monitor(prepared).settle(s)
+
+
+def _monitor(prepared: Prepared) -> EventMonitor:
+    """Return the monitor of a static analysis, or of the search for the start of a motion."""
+    return (Searching if prepared.deck.values["initial"]["static"] else EventMonitor)(prepared.system)
 
 
 def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool = False) -> Statics:
@@ -169,7 +174,7 @@ def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool 
     return Statics(
         prepared.system, prepared.linear, loading, prepared.length, tolerances,
         k=or_default(scale.get("k", AUTOMATIC), None), penalty=or_default(scale.get("penalty", AUTOMATIC), None),
-        compliance=prepared.compliance, past=past,
+        compliance=prepared.compliance, past=past, monitor=_monitor(prepared),
     )  # fmt: skip
 
 

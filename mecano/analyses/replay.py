@@ -53,7 +53,7 @@ def replayed(
     rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
     traces = traces_of(results, nodes)
     monitor, state = EventMonitor(system), state.copy()
-    touching = ImpactCandidates(system).touching(near)
+    touching = np.where(monitor.lasting, np.inf, ImpactCandidates(system).touching(near))
     events = [event for event in results.events if event.time <= AT_ONCE * results.time[row]]
     for r in rows:
         now = AT_ONCE * results.time[r]
@@ -61,13 +61,10 @@ def replayed(
             _spin(system, state, results.time, r, nodes, traces)
         place_row(system, state, results.time, r, nodes, traces, scalars)
         state.memory = system.commit(solve_signals(system, state))
-        before = state.phases
-        state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
-        settled = state.phases
+        state = monitor.settle(state, touching) if r == 0 else state  # later changes and lasting ones are events
         while events and events[0].time <= now:  # positions do not determine whether a contact is open
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
-        state = monitor.settle_again(state, before, settled) if r == 0 else state
     return state
 
 

@@ -25,7 +25,7 @@ def missed_triggers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Lo
         for name, d in values[section].items():
             for path, time in _times(kinds[d["type"]].fields, d):
                 if time < start and not values["initial"]["from"]:
-                    missed = f"before the start at {start:g} s: it happens at the start, without an event"
+                    missed = f"before the start at {start:g} s: it happens at the start"
                 elif time > end:
                     missed = f"after the end at {end:g} s: it does not happen in this run"
                 else:

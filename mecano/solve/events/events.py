@@ -43,6 +43,8 @@ class EventMonitor:
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, as are the conditions
         self.conditions = np.flatnonzero([e.condition or bool(e.command) for e in events])
+        lasting = [lasts for batch in system.batches for _ in batch.names for lasts in _lasting(batch.kind.events)]
+        self.lasting = np.array(lasting, bool)
         self.final = [  # phases of elements, and the one in which a run has ended
             (batch.phases, batch.kind.phases.index(event.after))
             for batch in self._batches
@@ -141,15 +143,30 @@ class EventMonitor:
             s, _ = self.apply(s, hit)
         return s
 
-    def settle_again(self, s: "State", before: np.ndarray, settled: np.ndarray) -> "State":
-        """Return ``s`` with the phases that ``settle`` changed, ``before`` to ``settled`` (n_elements,), found anew.
+    def due(self, s: "State") -> np.ndarray:
+        """Return the lasting conditions (n_events,) bool met at ``s``, with the switches that follow from it."""
+        if not self.lasting.any():
+            return self.lasting
+        switches = np.full(self.system.n_events, np.inf)
+        switches[self.conditions] = np.where(self.lasting[self.conditions], np.inf, 0.0)
+        return self.lasting & (self.values(solve_signals(self.system, self.settle(s, switches).copy())) > 0.0)
 
-        A condition on a contact that touches is judged in this way when the contact has closed.
-        """
-        anew, least = (settled != before) & (s.phases == settled), np.full(self.system.n_events, np.inf)
-        for batch in self._batches:
-            batch.events(least)[anew[batch.phases]] = 0.0
-        return self.settle(replace(s, phases=np.where(anew, before, s.phases)), least) if anew.any() else s
+
+def _lasting(events):
+    """Return whether each of the Events of a kind is by a condition or a command, and undone by no other: a release."""
+    back = [(event.after, event.before) for event in events]
+    return [(event.condition or bool(event.command)) and (event.before, event.after) not in back for event in events]
+
+
+class Searching(EventMonitor):
+    """Monitor in the search for the start of a motion, in which lasting conditions are not judged.
+
+    The reactions of the motion, on which they may depend, are not known yet.
+    """
+
+    def values(self, s: "State") -> np.ndarray:
+        """Return the event values (n_events,), of lasting conditions -inf."""
+        return np.where(self.lasting, -np.inf, super().values(s))
 
 
 class NoEvents(EventMonitor):

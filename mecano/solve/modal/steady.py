@@ -27,7 +27,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
-from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.events import Searching
 from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.modal.lowered_start import lowered_starts
 from mecano.solve.modal.steadiness import require_steady
@@ -84,7 +84,7 @@ class Steady:
         self.signals, self.moving = np.flatnonzero(system.signals), np.flatnonzero(~system.signals)
         self.root = np.where(self.turning, length, 1.0)
         self.speed = motion.speed(length)
-        self.monitor = EventMonitor(system)
+        self.monitor = Searching(system)
         self._held: tuple[np.ndarray, np.ndarray] | None = None  # target of forces and gaps, zero by default
         self.k = None  # [N/m] mean stiffness at the start, at least that of its forces over the length scale
 

@@ -9,7 +9,7 @@ from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 from mecano.solve.diagnostics.joint_redundancy import contradicting
 from mecano.solve.diagnostics.scales import constraint_scale
-from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.events import Searching
 from mecano.solve.time.increments import displaced
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def assemble_start(system: "System", linear: "LinearSolver", s: "State", length:
     found, moved = assemble_positions(system, linear, s, length)
     if not system.n_events:
         return found, moved
-    settled = EventMonitor(system).settle(replace(found, memory=system.commit(found)))
+    settled = Searching(system).settle(replace(found, memory=system.commit(found)))
     if _violations(system, settled, length)[1].max(initial=0.0) <= FULFILLED:
         return found, moved
     found, again = assemble_positions(system, linear, settled, length)

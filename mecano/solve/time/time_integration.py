@@ -105,18 +105,37 @@ class TimeIntegrator:
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
         Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
-        separate are open, even if rounding makes them overlap. Conditions hold or not with the contacts closed.
+        separate are open, even if rounding makes them overlap. Conditions are judged with these reactions and phases.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        before, settled = s.phases, self.monitor.settle(s, self.shocks.touching)
-        s, history = start_stiff(self.method, settled, h)
-        run = RunState(s, history, h, compliance=self.method.compliance)
-        run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
-        again = self.monitor.settle_again(run.motion, before, settled.phases) if self.start_events else run.motion
-        if np.any(again.phases != run.motion.phases):
-            run, more = self._close_pressed(self._start_again(run, again))
-            self.start_events += more
+        settled, due = self.monitor.settle(s, self._touching), []
+        if self.monitor.due(settled).any():
+            settled, due = self._judged(settled, h)
+        run, self.start_events = self._begun(settled, h)
+        self.start_events += due
         return run
+
+    @property
+    def _touching(self):
+        """Event values (n_events,) up to which phases of a start stay: of lasting conditions any, of contacts a gap."""
+        return np.where(self.monitor.lasting, np.inf, self.shocks.touching)
+
+    def _judged(self, s, h):
+        """Return ``s`` with the lasting conditions that are met at the start of its motion, and these events.
+
+        Before, the reactions, consistent velocities and closed contacts are not known.
+        """
+        compliance = self.method.compliance
+        run, _ = self._begun(s.copy(), h)
+        self.method.use(compliance)
+        s, due = self.monitor.apply(s, self.monitor.due(run.motion))
+        return self.monitor.settle(s, self._touching), due
+
+    def _begun(self, s, h):
+        """Return the RunState of consistent ``s``, and the events of the contacts that are pressed together."""
+        s, history = start_stiff(self.method, s, h)
+        run = RunState(s, history, h, compliance=self.method.compliance)
+        return self._close_pressed(replace(run, powers=self._observe(s).powers))
 
     def _close_pressed(self, run):
         """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
