@@ -19,6 +19,7 @@ from mecano.post.runs import opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, ROD, Shape
 
+SIDE = np.eye(3)[[0, 2]]
 SHOWN = {name: KINDS[name] for name in ("beam", "wheel", "hinge")}
 
 
@@ -41,14 +42,15 @@ def test_a_film_has_the_shape_of_its_motion(path, extent, across):
         scene = scene_of(run, 2)
     line = np.array([(0.0, 0.0, 0.0), (extent[0], 0.0, extent[1])])
     scene = replace(scene, shapes=[Shape(ROD, "bar", line[None].repeat(2, axis=0))], colours=[{}], ranges=[])
-    scene = replace(scene, eye=np.array([0.0, -1.0, 0.0]), up=np.array([0.0, 0.0, 1.0]), grounds=[])
     figure = Figure()
-    film._Picture(scene, figure).arrange("A bar of which the title is longer than the picture is wide, if upright")
+    film._Picture(replace(scene, grounds=[]), SIDE, figure).arrange(
+        "A bar with a title longer than the picture, if upright"
+    )
     width, height = figure.get_size_inches()
     place = figure.axes[0].get_position(original=True)
     assert (height > width) == across and place.width * place.height > 0.6
     assert np.all(np.round(film.DOTS * np.array([width, height]), 6) % 2 == 0)
-    assert ("\n" in figure.texts[1].get_text()) == across
+    assert ("\n" in figure.texts[2].get_text()) == across
 
 
 @pytest.mark.parametrize("ending", [".gif", ".webp", ".mp4"])
@@ -77,11 +79,11 @@ def test_all_pieces_of_an_element_have_its_colour(path):
     bar = Shape(ROD, "bar", np.linspace((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 9)[None].repeat(2, axis=0))
     stress = np.array([[1.0, 3.0], [3.0, 1.0]])
     scene = replace(scene, shapes=[bar], colours=[{"stress": stress}], ranges=[("stress", "Pa", 1.0, 3.0)])
-    picture = film._Picture(scene, Figure())
+    picture = film._Picture(scene, SIDE, Figure())
     low, high = cm.ScalarMappable(Normalize(0.0, 1.0), film.COLOURS).to_rgba([0.0, 1.0])
     for frame, (first, second) in enumerate(((low, high), (high, low))):
         picture.show(frame)
-        [line] = picture._lines.values()
+        [line] = set(picture._ax.collections) - picture._still
         np.testing.assert_array_equal(line.get_colors(), [first] * 4 + [second] * 4)
 
 
@@ -91,12 +93,56 @@ def test_a_body_is_a_closed_outline_around_its_points(path):
         scene = scene_of(run, 2)
     corners = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.4), (0.0, 0.0, 1.0)])
     scene = replace(scene, shapes=[Shape(BODY, "plate", corners[None].repeat(2, axis=0))], colours=[{}], ranges=[])
-    picture = film._Picture(scene, Figure())
+    scene = replace(scene, grounds=[])
+    picture = film._Picture(scene, SIDE, Figure())
     picture.show(0)
-    segments = next(iter(picture._lines.values())).get_segments()
-    assert len(segments) == 4 and np.array_equal(segments[0][0], segments[-1][1])
-    ends = {tuple(np.round(segment[0], 9)) for segment in segments}
-    assert ends == {tuple(np.round(picture._flat(corners[i]), 9)) for i in (0, 1, 2, 4)}
+    [outline] = picture._ax.lines
+    assert len(outline.get_xydata()) == 5 and np.array_equal(outline.get_xydata()[0], outline.get_xydata()[-1])
+    assert {tuple(point) for point in outline.get_xydata()} == {tuple(SIDE @ corners[i]) for i in (0, 1, 2, 4)}
+
+
+def _travelling(path, grounds):
+    """Return a picture of a bar of 1 m that travels by 20 m, which the view follows."""
+    with opened_runs([path]) as [run]:
+        scene = scene_of(run, 2)
+    bar = np.array([[(0.0, 0.0, 1.0), (1.0, 0.0, 1.0)], [(20.3, 0.0, 1.0), (21.3, 0.0, 1.0)]])
+    scene = replace(scene, shapes=[Shape(ROD, "bar", bar)], colours=[{}], ranges=[], grounds=grounds, size=0.5)
+    return film._Picture(replace(scene, middle=bar.mean(axis=1)), SIDE, Figure())
+
+
+def test_behind_a_body_that_travels_lines_stand_still(path):
+    """A grid of round numbers of metres, of which the label names the distance."""
+    picture = _travelling(path, [])
+    assert picture._scene.follow
+    places = []
+    for frame in range(2):
+        picture.show(frame)
+        low, high = picture._ax.get_xlim()
+        places.append([x for x in picture._ax.xaxis.get_majorticklocs() if low <= x <= high])
+        np.testing.assert_allclose(np.remainder(places[-1], 0.2), 0.0, atol=1e-9)
+    assert min(map(len, places)) > 3 and not set(places[0]) & set(places[1])
+    assert all(line.get_visible() for line in picture._ax.get_xgridlines())
+    assert picture._scale.get_text() == "lines every 0.2 m"
+
+
+def test_marks_of_the_ground_stand_still(path):
+    """From the side a ground is a line with a hatch; two artists stay when the bar has moved, and no grid is drawn."""
+    ground = [np.array([(-2.0, y, 0.0), (23.0, y, 0.0)]) for y in (1.0, 0.0, -1.0)]
+    picture = _travelling(path, [ground])
+    [hatch] = picture._ax.collections
+    before = [segment.copy() for segment in hatch.get_segments()]
+    picture.show(0)
+    picture.show(1)
+    assert hatch in picture._ax.collections and len(picture._ax.collections) == 2
+    np.testing.assert_array_equal(before, hatch.get_segments())
+    starts = np.array([segment[0] for segment in before])
+    np.testing.assert_allclose(np.diff(starts[:, 0]), 0.2)
+    np.testing.assert_allclose(starts[:, 1], 0.0, atol=1e-12)
+    assert not any(line.get_visible() for line in picture._ax.get_xgridlines())
+
+
+def test_lines_behind_a_film_have_round_distances():
+    assert [film._round_length(x) for x in (0.99, 1.0, 4.9, 0.021, 700.0)] == [0.5, 1.0, 2.0, 0.02, 500.0]
 
 
 def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_path, monkeypatch):

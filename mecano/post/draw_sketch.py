@@ -11,6 +11,8 @@ from mecano.post.shapes import BODY, CABLE, GEAR, GUIDE, JOINT, MASS, ROD, SPRIN
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from matplotlib.axes import Axes
 
     from mecano.post.shapes import Shape
@@ -25,6 +27,8 @@ NARROW, WIDE = 3.7, 8.0  # inches, of axes
 LABEL_WIDTH = 0.6  # inches, of the time of an instant
 MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
 MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
+GROUND = "#c8b89a"
+FLAT, HATCH = 1e-3, 0.35  # width over length of a ground that is seen from the side; length of its hatch over its pitch
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
@@ -33,20 +37,16 @@ def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = Tru
 
     ``named``: add a legend and the span of the instants.
     """
-    colours = _colours(sketch)
+    colours = colours_of(sketch.shapes)
     for line in sketch.grounds:
         _draw_ground(ax, line) if sketch.axes else draw_patch(ax, line)
     for path in sketch.paths:
         ax.plot(*path.T, color=PALE, linewidth=0.8, zorder=1)
     count = len(sketch.times)
-    few = sum(shape.style == JOINT for shape in sketch.shapes) <= MOST_DOTS
     for i in range(count):
         opacity = FAINTEST + (1.0 - FAINTEST) * (i / max(count - 1, 1)) ** 2 if sketch.in_place else 1.0
         placed = [(shape, sketch.flat(shape.points[i], i)) for shape in sketch.shapes if shape.is_shown(i)]
-        for shape, points in placed:
-            if shape.style in DRAW and (few or shape.style != JOINT):
-                DRAW[shape.style](ax, points, colours.get(shape.name, INK), opacity)
-        _draw_rods(ax, [(points, colours[shape.name]) for shape, points in placed if shape.style in RODS], opacity)
+        draw_shapes(ax, placed, colours, opacity)
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
     if sketch.axes:
@@ -66,10 +66,39 @@ def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = Tru
         _label_instants(ax, sketch)
 
 
-def _colours(sketch):
+def colours_of(shapes: "Sequence[Shape]") -> dict[str, str]:
     """Return the colours of all named shapes except joints and supports: name -> colour."""
-    names = [s.name for s in sketch.shapes if s.style not in (JOINT, SUPPORT)]
+    names = [s.name for s in shapes if s.style not in (JOINT, SUPPORT)]
     return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(dict.fromkeys(names))}
+
+
+def draw_shapes(
+    ax: "Axes",
+    placed: "Sequence[tuple[Shape, np.ndarray]]",
+    colours: "Mapping[str, str | np.ndarray]",
+    opacity: float = 1.0,
+) -> None:
+    """Draw shapes at one instant, each with its points (n, 2) in the picture.
+
+    ``colours``: name -> colour, or colours (m, 4) of the pieces of a line.
+    """
+    few = sum(shape.style == JOINT for shape, _ in placed) <= MOST_DOTS
+    rods: list[tuple] = []
+    for shape, points in placed:
+        colour = colours.get(shape.name, INK)
+        if shape.style in RODS:
+            rods += _pieces(points, colour)
+        elif few or shape.style != JOINT:
+            DRAW[shape.style](ax, points, colour if isinstance(colour, str) else colour[0], opacity)
+    _draw_rods(ax, rods, opacity)
+
+
+def _pieces(points, colour):
+    """Return (points, colour) of the parts of a line, which is one part if it has one colour."""
+    if isinstance(colour, str):
+        return [(points, colour)]
+    count = len(points) - 1
+    return [(points[k : k + 2], colour[k * len(colour) // count]) for k in range(count)]
 
 
 def _draw_legend(ax, colours, sketch):
@@ -100,7 +129,7 @@ def _label_instants(ax, sketch):
 def draw_patch(ax: "Axes", outline: np.ndarray) -> None:
     """Draw a piece of ground with an ``outline`` (k, 2) in a view in space."""
     ax.fill(*outline.T, color="#efe9dd", zorder=0.5, linewidth=0)
-    ax.plot(*outline.T, color="#d8cdb8", zorder=0.6, linewidth=0.7)
+    ax.plot(*outline.T, color=GROUND, zorder=0.6, linewidth=0.7)
 
 
 def draw_compass(ax: "Axes", projection: np.ndarray, centre: tuple[float, float] = (20.0, 20.0)) -> None:
@@ -114,6 +143,18 @@ def draw_compass(ax: "Axes", projection: np.ndarray, centre: tuple[float, float]
         ax.annotate(letter, beyond, xycoords=corner, ha="center", va="center", fontsize=8, color=GREY)
         line = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
         ax.annotate("", np.add(centre, 16 * end), xycoords=corner, xytext=centre, textcoords=corner, arrowprops=line)
+
+
+def draw_way(ax: "Axes", sides: np.ndarray, bars: np.ndarray) -> None:
+    """Draw the ground between two lines, ``sides`` (2, k, 2), with ``bars`` (n, 2, 2) across; from the side, a line."""
+    colour = GROUND
+    if np.abs(sides[1] - sides[0]).max() > FLAT * np.ptp(sides, axis=(0, 1)).max():
+        draw_patch(ax, np.concatenate([sides[0], sides[1, ::-1], sides[0, :1]]))
+    else:
+        colour, depth = GREY, HATCH * np.ptp(bars[:2, 0], axis=0).max()
+        ax.plot(*sides[0].T, color=GREY, linewidth=1.2, zorder=1)
+        bars = bars[:, :1] - np.array([(0.0, 0.0), (depth, depth)])
+    ax.add_collection(LineCollection(list(bars), colors=colour, linewidths=1.0, zorder=0.7))
 
 
 def _draw_ground(ax, line):

@@ -1,4 +1,4 @@
-"""Films of a motion, GIF, WebP or MP4: the mechanism as lines, seen from a fixed direction."""
+"""Films of a motion, GIF, WebP or MP4: the mechanism as in pictures, seen from a fixed direction."""
 
 import subprocess
 from pathlib import Path
@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 import matplotlib
 import numpy as np
 from matplotlib import animation, cm
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.draw_sketch import line_of
+from mecano.post.draw_sketch import colours_of, draw_shapes, draw_way
+from mecano.post.ground import bars_across
 from mecano.post.runs import opened_runs
 from mecano.post.scene import Scene, scene_of
-from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.sketch import sketch
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.view_direction import projection
 from mecano.results.whole_file import atomic_file, make_folder
@@ -26,20 +27,12 @@ if TYPE_CHECKING:
 
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
-SIZE, DOTS = (7.2, 5.2), 90  # inches of the largest view, per inch
-NARROWEST, LOWEST = 3.0, 1.6  # inches of a view
+SIZE, DOTS = (5.4, 3.9), 120  # inches of the largest view, per inch
+NARROWEST, LOWEST = 2.6, 1.3  # inches of a view
 BESIDE, BAR, BELOW = 0.15, (0.12, 0.65), 0.3  # inches beside the view; of the colours and their numbers; of the time
 LETTER, LINE = 0.085, 0.2  # inches of the title
 MARGIN = 1.08
-LINES = {
-    ROD: ("#0072b2", 2.4),
-    CABLE: ("#0072b2", 1.2),
-    SPRING: ("#d55e00", 1.6),
-    BODY: ("#444444", 3.0),
-    WHEEL: ("#333333", 1.5),
-    GEAR: ("#009e73", 1.2),
-}
-MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
+PITCH = 0.4  # of the larger half width of the view: distance of the lines behind it, at most
 COLOURS = "viridis"
 SHORTEST = np.array([0.6, 0.2])  # width over height of the view, and height over width: a strut is a line, too
 
@@ -61,15 +54,21 @@ def film(path: "str | os.PathLike[str]", target: "str | os.PathLike[str]", title
     if not animation.writers.is_available(writer):
         raise UsageError(f"--animate {target}: {target.suffix} films need {writer}, which is not installed; .html does")
     make_folder(target.parent)
-    with opened_runs([path]) as [run], matplotlib.rc_context(SETTINGS), atomic_file(target) as hidden:
-        _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
+    with (
+        opened_runs([path]) as [run],
+        matplotlib.rc_context(SETTINGS | {"grid.color": PALE}),
+        atomic_file(target) as hidden,
+    ):
+        scene, side = scene_of(run, FRAMES), sketch(run)
+        matrix = side.projection if side else projection(scene.eye, scene.up)
+        _write(scene, matrix, hidden, writer, title or run.title)
     return target
 
 
-def _write(scene, target, writer, title):
+def _write(scene, matrix, target, writer, title):
     figure = Figure()
     figure.set_layout_engine("none")  # computing the layout for each frame would take half of the time
-    picture = _Picture(scene, figure)
+    picture = _Picture(scene, matrix, figure)
     picture.arrange(title)
     moving = animation.FuncAnimation(figure, picture.show, frames=len(scene.times), blit=False)
     try:
@@ -86,23 +85,29 @@ def half_widths(extent: np.ndarray) -> np.ndarray:
 
 
 class _Picture:
-    """A figure of the film, and the artists updated from frame to frame."""
+    """A figure of the film: what stays from frame to frame, and the shapes drawn at each."""
 
-    def __init__(self, scene: Scene, figure: Figure):
-        self._scene, self._projection = scene, projection(scene.eye, scene.up)
+    def __init__(self, scene: Scene, matrix: np.ndarray, figure: Figure):
+        self._scene, self._matrix = scene, matrix
         self._figure, self._ax = figure, (ax := figure.add_subplot())
         self._limits()
-        ax.set_axis_off()
         ax.set_aspect("equal")
-        for line in (line for lines in scene.grounds for line in lines):
-            ax.plot(*self._flat(line).T, color="#c8b89a", linewidth=1.0, zorder=1)
+        ax.tick_params(length=0, labelbottom=False, labelleft=False)
+        ax.spines[:].set_visible(False)
+        pitch = _round_length(PITCH * self._half.max())
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_locator(MultipleLocator(pitch))
+        ax.grid(not scene.grounds)
+        for lines in scene.grounds:
+            draw_way(ax, self._flat(np.stack(lines[::2])), self._flat(bars_across(lines, pitch)))
         self._time = figure.text(0.0, 0.0, "", color=INK)
-        self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style not in MARKS}
-        self._marks = {i: self._mark(shape) for i, shape in enumerate(scene.shapes) if shape.style in MARKS}
+        self._scale = figure.text(0.0, 0.0, f"lines every {pitch:g} m", color=GREY, ha="right")
+        self._plain = colours_of(scene.shapes)
         self._colours = self._coloured()
+        self._still = set(ax.get_children())
 
     def _flat(self, points):
-        return points @ self._projection.T
+        return points @ self._matrix.T
 
     def _limits(self):
         """Set centre and half widths of the view: of the whole motion, or of the mechanism if the view follows it."""
@@ -111,16 +116,6 @@ class _Picture:
         flat = np.concatenate([self._flat(s.points - shift).reshape(-1, 2) for s in scene.shapes])
         low, high = flat.min(axis=0), flat.max(axis=0)
         self._middle, self._half = 0.5 * (low + high), half_widths(high - low)
-
-    def _line(self, shape):
-        colour, width = LINES.get(shape.style, (GREY, 1.0))
-        return self._ax.add_collection(LineCollection([], colors=colour, linewidths=width, capstyle="round", zorder=3))
-
-    def _mark(self, shape):
-        marker, size, colour = MARKS[shape.style]
-        face = "white" if shape.style == JOINT else PALE if shape.style == SUPPORT else colour
-        [mark] = self._ax.plot([], [], marker, color=colour, markersize=size, markerfacecolor=face, zorder=4)
-        return mark
 
     def _coloured(self):
         """Draw the colour bar; return (name, factor, colour mapping) of the quantity shown, or None without one."""
@@ -146,6 +141,7 @@ class _Picture:
         figure.set_size_inches(float(whole[0]), float(whole[1]))
         self._ax.set_position((BESIDE / whole[0], BELOW / whole[1], width / whole[0], height / whole[1]))
         self._time.set_position((BESIDE / whole[0], 0.3 * BELOW / whole[1]))
+        self._scale.set_position(((BESIDE + width) / whole[0], 0.3 * BELOW / whole[1]))
         figure.text(
             BESIDE / whole[0], 1.0 - 0.4 * LINE / whole[1], "\n".join(lines), va="top", fontweight="bold", color=INK
         )
@@ -162,20 +158,22 @@ class _Picture:
         self._ax.set_xlim(centre[0] - self._half[0], centre[0] + self._half[0])
         self._ax.set_ylim(centre[1] - self._half[1], centre[1] + self._half[1])
         self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")
-        for i, line in self._lines.items():
-            line.set_visible(scene.shapes[i].is_shown(frame))
-            points = line_of(scene.shapes[i], self._flat(scene.shapes[i].points[frame]))  # of a wheel: rim and spoke
-            line.set_segments(np.stack([points[:-1], points[1:]], axis=1))
-            if self._colours:
-                line.set_color(self._colour(scene.colours[i], frame, len(points) - 1))
-        for i, mark in self._marks.items():
-            mark.set_visible(scene.shapes[i].is_shown(frame))
-            mark.set_data(*self._flat(scene.shapes[i].points[frame]).T)
+        for artist in set(self._ax.get_children()) - self._still:
+            artist.remove()
+        shapes = [shape for shape in scene.shapes if shape.is_shown(frame)]
+        draw_shapes(self._ax, [(s, self._flat(s.points[frame])) for s in shapes], self._colours_at(frame))
 
-    def _colour(self, values, frame, count):
-        """Return the colours of ``count`` pieces of a line; grey if it has no values."""
+    def _colours_at(self, frame):
+        """Return name -> colour, or colours (m, 4) of pieces, of all shapes; grey of those without values."""
+        if not self._colours:
+            return self._plain
         name, factor, mapping = self._colours
-        if name not in values:
-            return GREY
-        own = values[name][frame] / factor  # one for each element of the line, which is several pieces if it bends
-        return mapping.to_rgba(own[np.arange(count) * len(own) // count])
+        values = zip(self._scene.shapes, self._scene.colours, strict=True)
+        known = {shape.name: mapping.to_rgba(own[name][frame] / factor) for shape, own in values if name in own}
+        return dict.fromkeys(self._plain, GREY) | known
+
+
+def _round_length(most):
+    """Return the largest of 1, 2, 5 times a power of ten that is no longer than ``most`` [m]."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return max(power * factor for factor in (1, 2, 5) if power * factor <= most)

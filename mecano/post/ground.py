@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
 POINTS_OF_WAY = 500
-BESIDE = 3.0  # radii beyond the path
+BESIDE = 3.0  # radii on both sides of the path
 ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to its size
 
 
@@ -51,8 +51,13 @@ def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) 
     return _raised(deck, ground, outline)
 
 
-def ground_path(deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float) -> Iterator[np.ndarray]:
-    """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m]."""
+def ground_path(
+    deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float, beyond: float
+) -> Iterator[np.ndarray]:
+    """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m].
+
+    They continue by ``beyond`` [m] at both ends of the path.
+    """
     point, normal = plane_of(ground)
     way = (centres[:, -1] - centres[:, 0]).mean(axis=0)
     centres = centres.reshape(-1, 3)
@@ -62,12 +67,21 @@ def ground_path(deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, 
     way /= np.linalg.norm(way)
     across, middle = np.cross(normal, way), centres.mean(axis=0)
     along, aside = (centres - middle) @ way, np.abs((centres - middle) @ across).max() + BESIDE * radius
-    ends = along.min() - BESIDE * radius, along.max() + BESIDE * radius
-    distances = np.linspace(*ends, POINTS_OF_WAY if ground.get("profile") else 2)[:, None]
+    distances = np.linspace(along.min() - beyond, along.max() + beyond, POINTS_OF_WAY if ground.get("profile") else 2)[
+        :, None
+    ]
     for offset in (-aside, 0.0, aside):
         points = middle + distances * way + offset * across
         points -= ((points - point) @ normal)[:, None] * normal
         yield _raised(deck, ground, points)
+
+
+def bars_across(lines: Sequence[np.ndarray], pitch: float) -> np.ndarray:
+    """Return bars (n, 2, 3) across a ground from its left to its right line, every ``pitch`` [m] along its middle."""
+    left, middle, right = lines
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
+    at = np.arange(0.0, way[-1], pitch)
+    return np.stack([np.stack([np.interp(at, way, x) for x in line.T], axis=1) for line in (left, right)], axis=1)
 
 
 def plane_of(ground: "Values") -> tuple[np.ndarray, np.ndarray]:

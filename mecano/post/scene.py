@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from mecano.post.runs import Run
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
+GROUND = 3.0  # sizes of the mechanism by which the ground extends beyond the path of its wheels
 Range: TypeAlias = tuple[str, str, float, float]  # name and unit of a colouring, lowest and highest value
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
 """Values by which elements can be coloured: name, unit."""
@@ -129,7 +130,7 @@ def scene_of(run: "Run", most: int) -> Scene:
         [_kind(run, shape) for shape in drawn], coloured, ranges,
         flexible_parts(drawn, flexible, _attached(run, flexible)), [_orientation(motion, shape) for shape in drawn],
         arrows(motion), middle, size, up,
-        _eye(drawn, cloud - middle[:, None], up), list(_grounds(run, drawn)),
+        _eye(drawn, cloud - middle[:, None], up), list(_grounds(run, drawn, GROUND * size)),
     )  # fmt: skip
 
 
@@ -217,8 +218,8 @@ def _ranges(coloured):
             yield what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)
 
 
-def _grounds(run, drawn):
-    """Return lines (k, 3), three of each ground, along the path of its wheels."""
+def _grounds(run, drawn, beyond):
+    """Return lines (k, 3), three of each ground, along the path of its wheels and ``beyond`` [m] its ends."""
     wheels: dict[str, list[np.ndarray]] = {}  # ground -> points of its wheels
     for shape in drawn:
         d = run.deck.get("elements", {}).get(shape.name, {})
@@ -226,6 +227,5 @@ def _grounds(run, drawn):
             wheels.setdefault(d["ground"], []).append(shape.points)
     for ground, points in wheels.items():
         centres = np.stack([one[:, -1] for one in points])
-        yield list(
-            ground_path(run.deck, run.deck["grounds"][ground], centres, max(radius_of(one[0]) for one in points))
-        )
+        radius = max(radius_of(one[0]) for one in points)
+        yield list(ground_path(run.deck, run.deck["grounds"][ground], centres, radius, beyond))
