@@ -5,6 +5,7 @@ const PLAIN = {
 };
 const RADIUS = { rod: 0.018, cable: 0.006, guide: 0.006, gear: 0.006 }; // over the size of the mechanism
 const BODY_RADIUS = 0.03, MASS_RADIUS = 0.035, JOINT_RADIUS = 0.018, ARROW = 0.5, AXIS = 0.2;
+const BEYOND = 6; // sizes of the mechanism by which lines of no ground extend beyond its path
 const MANY = 80; // lines and joints: of more, all are thinner
 const TYRE = { width: 0.17, depth: 0.32, around: 12 }; // over the radius of the wheel
 const MAP = [[72, 92, 214], [143, 70, 190], [206, 75, 120], [243, 135, 66], [250, 222, 70]]; // plasma, its dark end lighter
@@ -40,11 +41,12 @@ class Solids {
     of("spring").forEach(shape => this.addSpring(shape));
     of("body").forEach(shape => this.addBody(shape));
     of("wheel").forEach(shape => this.addWheel(shape));
-    this.addDots(of("mass"), new THREE.SphereGeometry(MASS_RADIUS, 20, 14), PLAIN.mass);
+    this.addDots(of("mass"), new THREE.SphereGeometry(MASS_RADIUS, 32, 20), PLAIN.mass);
     this.addDots(of("joint").filter(shape => !shape.axis), new THREE.SphereGeometry(JOINT_RADIUS * this.thin, 14, 10), PLAIN.joint);
     this.addAxes(of("joint").filter(shape => shape.axis));
     this.addSupports(of("support"));
     motion.grounds.forEach(lines => this.addGround(lines));
+    if (!motion.grounds.length && (data.follow || !of("support", "guide").length)) this.addGrid(data.eye);
     this.addArrows();
   }
 
@@ -189,8 +191,8 @@ class Solids {
 
   // A strip between three lines, with lines across it that show how fast it passes.
   addGround([left, middle, right]) {
-    const { motion } = this, n = left.length / 3, half = new THREE.Group(), origin = this.motion.whole;
-    const at = (line, k) => [0, 1, 2].map(i => (line[3 * k + i] - origin[i]) / motion.size);
+    const { motion } = this, n = left.length / 3;
+    const at = (line, k) => [0, 1, 2].map(i => (line[3 * k + i] - motion.whole[i]) / motion.size);
     const places = [], index = [], across = [];
     for (let k = 0; k < n; k++) places.push(...at(left, k), ...at(middle, k), ...at(right, k));
     for (let k = 0; k + 1 < n; k++)
@@ -205,17 +207,37 @@ class Solids {
       }
       run += length;
     }
-    const strip = new THREE.BufferGeometry(), lines = new THREE.BufferGeometry();
+    const strip = new THREE.BufferGeometry();
     strip.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
     strip.setIndex(index);
     strip.computeVertexNormals();
-    lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(across), 3));
-    half.add(new THREE.Mesh(strip, paint(PLAIN.ground, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
-    half.add(new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ color: 0x8c8373 })));
-    half.children.forEach(part => { part.frustumCulled = false; });
-    this.group.add(half);
-    this.moving.push(frame => half.position.set(...[0, 1, 2].map(k =>
-      motion.follow ? (origin[k] - motion.middle[3 * frame + k]) / motion.size : 0)));
+    this.stand(new THREE.Mesh(strip, paint(PLAIN.ground, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
+    this.stand(linesOf(across, 0x8c8373));
+  }
+
+  // Lines behind or below a mechanism that travels over no ground, across the axis along which it travels least.
+  addGrid(eye) {
+    const { motion } = this, low = [0, 0, 0], high = [0, 0, 0], places = [];
+    for (let i = 0; i < motion.middle.length; i++) {
+      const k = i % 3, x = (motion.middle[i] - motion.whole[k]) / motion.size;
+      low[k] = Math.min(low[k], x);
+      high[k] = Math.max(high[k], x);
+    }
+    const [normal, a, b] = [0, 1, 2].sort((i, j) => Math.round(high[i] - low[i] - high[j] + low[j]) || Math.abs(eye[j]) - Math.abs(eye[i]));
+    const level = 1.1 * (eye[normal] > 0 ? low[normal] - 1 : high[normal] + 1), step = Math.max(0.5, 0.002 * Math.max(high[a] - low[a], high[b] - low[b]));
+    for (const [across, along] of [[a, b], [b, a]])
+      for (let x = low[across] - BEYOND; x <= high[across] + BEYOND; x += step)
+        for (let y = low[along] - BEYOND; y <= high[along] + BEYOND; y += 4 * step) // not long lines, of which one end is behind the eye
+          for (const end of [y, y + 4 * step]) places.push(...[0, 1, 2].map(k => (k === across ? x : k === along ? end : level)));
+    this.stand(linesOf(places, 0x9aa0a6));
+  }
+
+  // Add what does not move, in inertial coordinates over the size of the mechanism.
+  stand(mesh) {
+    const { motion } = this;
+    mesh.frustumCulled = false;
+    this.group.add(mesh);
+    this.moving.push(frame => mesh.position.set(...[0, 1, 2].map(k => (motion.follow ? (motion.whole[k] - motion.middle[3 * frame + k]) / motion.size : 0))));
   }
 
   // Forces: the longest of all frames has the length ARROW.
@@ -258,6 +280,12 @@ class Solids {
   dispose() {
     this.group.traverse(part => { part.geometry?.dispose(); part.material?.dispose(); });
   }
+}
+
+function linesOf(places, color) {
+  const lines = new THREE.BufferGeometry();
+  lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
+  return new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ color }));
 }
 
 // A coil of radius and height one along y, as thick as it looks right when it is stretched.

@@ -52,7 +52,8 @@ class Stage {
   // Points of some frames, with the radius of what is drawn there.
   cloud() {
     const motion = this.solids.motion, found = [], step = Math.max(1, Math.floor(motion.count / FRAMES_FITTED));
-    const offsets = [[0.06, 0, 0], [-0.06, 0, 0], [0, 0.06, 0], [0, -0.06, 0], [0, 0, 0.06], [0, 0, -0.06]].map(o => new THREE.Vector3(...o));
+    const room = motion.shapes.length > 1 || motion.shapes[0].count > 1 ? 0.06 : 0.5; // a single point has no size
+    const offsets = [[room, 0, 0], [-room, 0, 0], [0, room, 0], [0, -room, 0], [0, 0, room], [0, 0, -room]].map(o => new THREE.Vector3(...o));
     for (let frame = 0; frame < motion.count; frame += step)
       for (const shape of motion.shapes) {
         if (shape.style === "guide" && motion.follow) continue;
