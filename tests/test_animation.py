@@ -155,6 +155,79 @@ def test_keys_play_step_and_choose(results, tmp_path):
 
 
 @browser
+def test_the_keyboard_reaches_buttons_and_keeps_its_place(results, tmp_path):
+    """Names of events are buttons; space presses the one in focus, which stays in focus after any key."""
+    page = animate(results / "wheel_drop.h5", tmp_path / "focus.html")
+    found = asked(page, """
+    const down = key => new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true });
+    const press = (target, key) => target.dispatchEvent(down(key));
+    const entry = byId("legend").querySelector("button"), seen = [];
+    entry.focus({ focusVisible: true });
+    seen.push(press(entry, " "), player.playing);  // true: the browser presses the button
+    entry.click();
+    press(entry, "ArrowLeft");
+    seen.push(player.frame, document.activeElement === entry, motion.frameAt(data.events[0].time));
+    return seen;
+    """)  # fmt: skip
+    left, playing, frame, kept, event = found
+    assert (left, playing, kept) == (True, False, True) and frame == event - 1
+
+
+@browser
+@pytest.mark.parametrize("time_step", [1e-5, 1e-3, 0.5])
+def test_neighbouring_times_have_different_texts(results, tmp_path, time_step):
+    page = animate(results / "wheel_drop.h5", tmp_path / "times.html")
+    data = data_of(page)
+    times = time_step * np.arange(len(floats(data["times"])))
+    data["times"] = base64.b64encode(times.astype("<f4").tobytes()).decode()
+    page.write_text(re.sub(r"const data = \{.*\};", lambda _: f"const data = {json.dumps(data)};", page.read_text()))
+    texts = asked(page, "return [4, 5, 6].map(frame => { show(frame); return byId('time').textContent; });")
+    assert len(set(texts)) == 3 and all(len(text) < 20 for text in texts)
+
+
+WITHOUT_WEBGL = """<body><script>
+const context = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind.startsWith("webgl") ? null : context.call(this, kind, ...more);
+};
+</script>"""
+
+
+@browser
+def test_without_3d_graphics_the_curves_remain(results, tmp_path):
+    page = animate(results / "wheel_drop.h5", tmp_path / "flat.html")
+    page.write_text(page.read_text().replace("<body>", WITHOUT_WEBGL))
+    message, view, plots, event, frame, asked_for = asked(page, """
+    document.dispatchEvent(new KeyboardEvent("keydown", { key: "n", bubbles: true }));
+    const width = id => byId(id).getBoundingClientRect().width, frame = player.frame;
+    byId("film").click();
+    return [byId("missing").textContent, width("view"), width("plots") / document.body.clientWidth,
+      motion.frameAt(data.events[0].time), frame, byId("status").textContent];
+    """)  # fmt: skip
+    assert message == "no view in space: this browser has no 3D graphics (WebGL)"
+    assert view == 0 and plots > 0.9 and frame == event > 0
+    assert asked_for == "this browser cannot record films"
+
+
+@browser
+def test_a_body_that_travels_over_no_ground_passes_lines_at_rest(results, tmp_path):
+    """The lines move against the body that the view follows as far as it travels; a pendulum has none."""
+    page = animate(results / "wheel_drop.h5", tmp_path / "lines.html")
+    data = data_of(page)
+    middle = np.zeros((len(floats(data["times"])), 3), "<f4")
+    middle[:, 0] = np.linspace(0.0, 40.0 * data["size"], len(middle))
+    data |= {"grounds": [], "follow": True, "middle": base64.b64encode(middle.tobytes()).decode()}
+    page.write_text(re.sub(r"const data = \{.*\};", lambda _: f"const data = {json.dumps(data)};", page.read_text()))
+    lines = """
+    const lines = solids.group.children.filter(part => part.isLineSegments);
+    return lines.map(part => [0, motion.count - 1].map(frame => { show(frame); return part.position.toArray(); }));
+    """
+    [(start, end)] = asked(page, lines)
+    np.testing.assert_allclose(np.subtract(end, start), (-40.0, 0.0, 0.0), atol=1e-4)
+    assert asked(animate(results / "flexible_pendulum.h5", tmp_path / "still.html"), lines) == []
+
+
+@browser
 def test_the_view_holds_the_whole_motion(results, tmp_path):
     """All points of all frames are within the picture, and it is filled to more than half in one direction."""
     page = animate(results / "flexible_pendulum.h5", tmp_path / "fit.html")

@@ -8,6 +8,8 @@ class Motion {
   constructor(data) {
     this.times = floats(data.times);
     this.count = this.times.length;
+    const gap = (this.times[this.count - 1] - this.times[0]) / this.count;
+    this.digits = gap > 0 ? Math.min(Math.max(Math.ceil(1 - Math.log10(gap)), 0), 9) : 4; // of times
     this.middle = floats(data.middle);
     this.size = data.size;
     this.follow = data.follow;

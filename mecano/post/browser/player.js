@@ -65,7 +65,7 @@ function showEvents() {
     return tick;
   }));
   byId("legend").replaceChildren(...names.map(name => {
-    const of = data.events.filter(event => event.name === name), entry = element("span"), swatch = element("i");
+    const of = data.events.filter(event => event.name === name), entry = element("button"), swatch = element("i");
     swatch.style.background = of[0].colour;
     entry.append(swatch, of.length > 1 ? `${name} (${of.length})` : name);
     entry.title = of.slice(0, 12).map(event => `${number(event.time)} ${data.axis[1]}: ${event.element}`).join("\n");
@@ -87,7 +87,7 @@ function jump(direction, name) {
 function show(frame) {
   player.frame = Math.min(Math.max(frame, 0), motion.count - 1);
   byId("slider").value = player.frame;
-  byId("time").textContent = motion.count > 1 ? `${data.axis[0]} ${motion.times[player.frame].toFixed(4)} ${data.axis[1]}` : "";
+  byId("time").textContent = motion.count > 1 ? `${data.axis[0]} ${motion.times[player.frame].toFixed(motion.digits)} ${data.axis[1]}` : "";
   solids.show(player.frame);
   if (curves) curves.show(player.frame);
   dirty = true;
@@ -117,7 +117,7 @@ function showScale(found) {
   }
   if (byId("forces").checked && solids.largest) {
     const [factor, unit] = unitOf(solids.largest, "N");
-    lines.push(element("div", `longest arrow of all: ${number(solids.largest / factor)} ${unit}`));
+    lines.push(element("div", `longest arrow: ${number(solids.largest / factor)} ${unit}`));
   }
   if (motion.magnification !== 1) lines.push(element("div", `deformation \u00d7 ${motion.magnification}`));
   place.replaceChildren(...lines);
@@ -156,7 +156,7 @@ function tick(now) {
 const film = {
   start() {
     const type = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find(t => window.MediaRecorder && MediaRecorder.isTypeSupported(t));
-    if (!type) { byId("status").textContent = "this browser cannot record films"; return; }
+    if (!type || !stage.canvas) { byId("status").textContent = "this browser cannot record films"; return; }
     this.reel = document.createElement("canvas");
     this.reel.width = 2 * Math.round(stage.canvas.width / 2);
     this.reel.height = 2 * Math.round(stage.canvas.height / 2);
@@ -257,9 +257,9 @@ function listen() {
   byId("scene").addEventListener("dblclick", () => stage.home());
   document.addEventListener("keydown", e => {
     if (e.target.tagName === "SELECT" || e.ctrlKey || e.metaKey || e.altKey || !ON_KEY[e.key]) return;
+    if (e.key === " " && e.target.matches?.("button:focus-visible, [type=checkbox]:focus-visible")) return;
     if (STOPS.includes(e.key)) play(false);
     ON_KEY[e.key](e);
-    if (document.activeElement && document.activeElement !== document.body) document.activeElement.blur();
     e.preventDefault();
   });
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { curves.draw(); dirty = true; });
@@ -276,16 +276,19 @@ async function poll() {
   }
 }
 
+// Where there are no 3D graphics, the curves and events remain.
+const NO_STAGE = { put(solids) { this.solids = solids; }, home() {}, render() {}, fitted: () => false, shapeAt: () => null, up: new THREE.Vector3(0, 0, 1) };
+
 function start() {
   byId("help").textContent = KEYS;
   for (const m of MAGNIFICATIONS) byId("magnify").add(new Option(`\u00d7${m}`, m));
   for (const s of SPEEDS) byId("speed").add(new Option(`\u00d7${s}`, s));
   try {
     stage = new Stage(byId("scene"));
-  } catch (error) {
-    byId("status").textContent = `This browser cannot show 3D graphics (WebGL): ${error.message}`;
-    byId("status").className = "bad";
-    throw error;
+  } catch {
+    stage = NO_STAGE;
+    document.body.className = "flat";
+    byId("missing").textContent = "no view in space: this browser has no 3D graphics (WebGL)";
   }
   stage.changed = () => { dirty = true; };
   byId("follow").checked = data.follow;
