@@ -36,6 +36,30 @@ def test_angles_of_a_study_are_displayed_in_degrees(tmp_path):
     assert np.array_equal(read_study(tmp_path / "table.h5")["parameters/parameters.steer"], angles)
 
 
+@pytest.mark.parametrize("named", [False, True])
+def test_what_is_beyond_a_limit_is_shaded(named):
+    """Above the upper, below the lower limit, to the ends of the axis, in kN; a limit far away is not drawn."""
+    names = [Column("case", "name", "", "", np.array(["soft", "firm"], object))] if named else []
+    limits = {"load": (2000.0, 9000.0), "side": (None, 1e6)}
+    columns = (
+        Column("case", "status", "", "", ["complete"] * 2),
+        Column("case", "case", "", "", np.arange(1.0, 3.0)),
+        *names,
+        Column("parameters", "speed", "m/s", "", np.array([1.0, 2.0])),
+        *(Column("outputs", name, "N", "", np.array([3000.0, 9500.0]), own) for name, own in limits.items()),
+    )
+    figure = study_figure(StudyTable("", "", "", columns))
+    first, second = figure.axes
+    bars, (below, above) = first.patches[:-2], first.patches[-2:]
+    ends = first.get_xlim() if named else first.get_ylim()
+    spans = [np.sort(patch.get_extents().transformed(first.transData.inverted()).get_points()[:, 0 if named else 1])
+             for patch in (below, above)]  # fmt: skip
+    np.testing.assert_allclose(spans, [(ends[0], 2.0), (9.0, ends[1])])
+    assert ends[0] < 2.0 and ends[1] > 9.5
+    assert len(second.patches) == len(bars) == (2 if named else 0)
+    assert "shaded: beyond a limit" in " ".join(text.get_text() for text in figure.texts)
+
+
 def test_the_case_nearest_to_the_only_limit_of_an_output_governs():
     def most_severe(limits):
         return int(

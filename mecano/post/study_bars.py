@@ -12,8 +12,8 @@ import numpy as np
 from mecano.post.figure import plain_figure
 from mecano.post.page_layout import columns_of, rows_of
 from mecano.post.quantity import largest
-from mecano.post.study_outputs import near_limits, severity, study_unit
-from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, with_unit
+from mecano.post.study_outputs import heading_of, near_limits, severity, study_unit
+from mecano.post.style import COLOURS, GREY, mark_limits, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ def bar_figure(table: "StudyTable", outputs: "Sequence[Column]", names: Sequence
     columns = columns_of(len(outputs), WIDTH + room * some, ROW * bars + BESIDE)
     rows = rows_of(len(outputs), columns)
     width = columns * WIDTH + room * (columns if some else 1)
-    heading = f"{table.verdict}; in each panel the {bars} most severe" if some else table.verdict
+    heading = heading_of(table, outputs) + f"; in each panel the {bars} most severe" * some
     figure = plain_figure(width, rows * (ROW * bars + BESIDE), table.title or Path(table.deck).stem, heading)
     grid = figure.subplots(rows, columns, squeeze=False)
     for i, (ax, output) in enumerate(zip(grid.flat, outputs, strict=False)):
@@ -72,6 +72,5 @@ def _panel(ax, output, shown):
     ax.bar_label(bars, _numbers(values), padding=3, fontsize=7, color=GREY, bbox=OVER_LIMITS)
     ax.margins(x=0.18)
     ax.axvline(0.0, color=GREY, linewidth=0.8)
-    for limit in near_limits(output):
-        ax.axvline(limit / factor, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
+    mark_limits(ax, near_limits(output, factor), "x")
     ax.set_xlabel(with_unit(output.name.replace("_", " "), unit))

@@ -10,6 +10,8 @@ from mecano.post.quantity import largest
 from mecano.post.style import shown_unit
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mecano.results.study_file import Column, StudyTable
 
 NEAR = 1.0
@@ -53,8 +55,14 @@ def severity(output: "Column") -> np.ndarray:
     return -output.values if upper is None else output.values
 
 
-def near_limits(output: "Column") -> list[float]:
-    """Return the limits of an output that are near enough to its values for a picture."""
+def heading_of(table: "StudyTable", outputs: "Sequence[Column]") -> str:
+    """Return the heading of a picture of ``outputs``: the verdict, and what a shade means if there is any."""
+    return table.verdict + "; shaded: beyond a limit" * any(near_limits(output, 1.0) for output in outputs)
+
+
+def near_limits(output: "Column", factor: float) -> list[tuple[float, float]]:
+    """Return (limit over ``factor``, side beyond it: -1 or 1) of an output, of limits near enough for a picture."""
     low, high = min(0.0, np.nanmin(output.values)), max(0.0, np.nanmax(output.values))
     far = NEAR * (high - low)
-    return [limit for limit in output.limits if limit is not None and low - far <= limit <= high + far]
+    limits = zip(output.limits, (-1.0, 1.0), strict=True)
+    return [(limit / factor, side) for limit, side in limits if limit is not None and low - far <= limit <= high + far]

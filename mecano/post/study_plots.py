@@ -10,8 +10,8 @@ import numpy as np
 from mecano.post.figure import plain_figure
 from mecano.post.page_layout import columns_of, height_of_row, rows_of
 from mecano.post.study_bars import bar_figure
-from mecano.post.study_outputs import displayed_outputs, near_limits, study_unit
-from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, range_of, with_unit
+from mecano.post.study_outputs import displayed_outputs, heading_of, near_limits, study_unit
+from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, mark_limits, range_of, with_unit
 from mecano.post.value_labels import legible
 from mecano.results.study_file import Column, StudyTable
 
@@ -50,7 +50,8 @@ def _figure(table, parameters, outputs):
     blocks = columns_of(len(outputs), across * PANEL[0], PANEL[1])
     rows, width = rows_of(len(outputs), blocks), blocks * across * PANEL[0]
     height = rows * height_of_row(rows, width, LOWEST, PANEL[1])
-    figure = plain_figure(max(width, NARROWEST), height, table.title or Path(table.deck).stem, table.verdict)
+    heading = heading_of(table, outputs)
+    figure = plain_figure(max(width, NARROWEST), height, table.title or Path(table.deck).stem, heading)
     grid = figure.add_gridspec(rows, blocks * across)
     shown = short_names([parameter.name for parameter in parameters])
     above: list[Axes | None] = [None] * across  # the panels of the first output
@@ -108,11 +109,10 @@ def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, j
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
-    limits = np.array(near_limits(output)) / factor
-    for limit in limits:
-        ax.axhline(limit, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
-    if constant := range_of(np.concatenate([output.values / factor, limits])):
+    limits = near_limits(output, factor)
+    if constant := range_of(np.array([*output.values / factor, *(limit for limit, _ in limits)])):
         ax.set_ylim(*constant)
+    mark_limits(ax, limits, "y")
     if len(groups) > 1 and title:
         columns = max(1, min(4, IN_A_ROW // max(len(label) + 4 for label, _ in groups)))
         ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, fontsize=7, title_fontsize=7,

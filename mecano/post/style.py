@@ -120,6 +120,20 @@ def note_below(ax: "Axes", text: str) -> None:
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
 
 
+def mark_limits(ax: "Axes", limits: Sequence[tuple[float, float]], across: str) -> None:
+    """Mark limits by lines, and shade what is beyond them; they are values along the axis ``across``, "x" or "y".
+
+    Each limit is (value, side beyond it: -1 or 1).
+    """
+    line, span = (ax.axvline, ax.axvspan) if across == "x" else (ax.axhline, ax.axhspan)
+    for value, _ in limits:
+        line(value, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
+    ends = getattr(ax, f"get_{across}lim")()
+    for value, side in limits:
+        span(value, ends[side > 0], color=LIMIT, alpha=0.1, linewidth=0, zorder=0)
+    ax.set(**{f"{across}lim": ends})
+
+
 def range_of(values: np.ndarray, level: float = CONSTANT) -> tuple[float, float] | None:
     """Return limits of an axis for values that vary by no more than a share ``level`` of them, otherwise None."""
     values = values[np.isfinite(values)]
