@@ -22,7 +22,7 @@ from mecano.post.runs import open_runs
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets
 from mecano.post.sketch import sketch
-from mecano.post.style import SETTINGS, with_unit
+from mecano.post.style import COLOURS, SETTINGS, shown_unit, with_unit
 
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "images" / "gallery"
@@ -142,16 +142,18 @@ def _draw_mechanism(ax, seen):
 
 
 def _draw_curves(ax, panel):
-    for curve in panel.curves[:MOST_CURVES]:
-        ax.plot(curve.x.values, curve.y.values)
-    x = panel.curves[0].x
+    curves = panel.curves[:MOST_CURVES]
+    x, unit = curves[0].x, curves[0].y.unit
+    factor, shown = shown_unit(unit, np.concatenate([curve.y.values for curve in curves]))
+    for curve, colour in zip(curves, COLOURS, strict=False):
+        ax.plot(curve.x.values, curve.y.values / factor, color=colour)
     ax.set_xlabel(with_unit(x.what, x.unit))
-    ax.set_ylabel(with_unit(panel.label, panel.curves[0].y.unit))
+    ax.set_ylabel(with_unit(panel.label, shown))
 
 
 def draw_film(results, target):
-    """Write a small film of the results file of a run to ``target``."""
-    whole = film(results, results.with_suffix(".webp"))
+    """Write a small film, without a title, of the results file of a run to ``target``."""
+    whole = film(results, results.with_suffix(".webp"), title=" ")
     with Image.open(whole) as opened:
         frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(opened)][::FILM_STEP]
         duration = FILM_STEP * opened.info.get("duration", 1000 // 15)
