@@ -71,6 +71,27 @@ def test_friction_and_dampers_of_motors_resist(tmp_path):
     np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=1e-4)
 
 
+def test_springs_of_hinges_without_a_latch_are_motors(tmp_path):
+    """A cable turns the elbow by 2 u while the root turns by u = 2 a/3 to its latch, a the mean of both angles.
+
+    The springs of 2 N m/rad and 1 N m/rad work (pi - 2 u) du + (pi - 2 u) 2 du, over 3 du; friction of 0.1 N m in the
+    elbow resists by 0.2/3 N m.
+    """
+    overrides = (
+        "loads=null",
+        "joints.root_hinge.turning_law={spring: {stiffness: 2}}",
+        "joints.root_hinge.natural_angle=-90 deg",
+        "joints.elbow_hinge.turning_law={spring: {stiffness: 1}, dry_friction: {force: 0.1, regularization: 1.0e-4}}",
+        "joints.elbow_hinge.natural_angle=180 deg",
+        "output.every=1e-3",
+    )
+    run(input_deck("synchronised_panels", *overrides), tmp_path / "panels.h5")
+    torque, resisting = (c.y.values for c in deployment_sheet(open_runs([tmp_path / "panels.h5"])).panels[0].curves)
+    angle = deployment_sheet(open_runs([tmp_path / "panels.h5"])).panels[0].curves[0].x.values
+    np.testing.assert_allclose(torque, np.pi - 4.0 * angle / 3.0, rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting[1:], 0.2 / 3.0, rtol=0, atol=1e-3)
+
+
 def test_other_actuators_leave_no_margin(tmp_path):
     """A motor of 1 N m that helps the spring gives energy that is no resistance; one of -0.2 N m resists."""
     for moment in (1.0, -0.2):

@@ -1,6 +1,7 @@
 """Deployment margin: the torque reserve of the motors of a deploying structure.
 
-Motors are hinges with a law and a latch. Over the mean of their angles, from the start to the first lock:
+Motors are hinges with a law and a latch, and with these other hinges whose laws give energy, such as synchronised ones.
+Over the mean of their angles, from the start to the first lock:
 
     torque       work of their laws per angle, mean of all motors; without what these dissipate (dampers, dry friction)
     resisting    work against everything else per angle: energy stored (weight, springs, deformation), dissipated, also
@@ -92,6 +93,7 @@ def _torques(run, found):
     if not found or np.count_nonzero(rows) < 3:
         return None
     time = results.time[rows]
+    found = found | _synchronised(run, found, rows)
     angles = {name: sign * results.find(f"joints/{name}/angle").values[rows] for name, sign in found.items()}
     most = max(np.ptp(values) for values in angles.values())
     turning = [name for name, values in angles.items() if np.ptp(values) > TURNS * most]
@@ -111,6 +113,17 @@ def _torques(run, found):
     torque, resisting = (np.diff(np.interp(at, time, work)) / np.diff(grid) for work in (given, spent))
     middle = 0.5 * (at[1:] + at[:-1])
     return 0.5 * (grid[1:] + grid[:-1]) / len(turning), torque, resisting, middle
+
+
+def _synchronised(run, found, rows):
+    """Return {name: sign of its motion} of the hinges besides those ``found`` whose laws give energy."""
+    others = {}
+    for name, d in run.deck["joints"].items():
+        if d.get("turning_law") and name not in found and f"joints/{name}/angle" in run.paths:
+            angle = run.results.find(f"joints/{name}/angle").values[rows]
+            if _work(run.results.time[rows], _power(run.results, name)[rows])[-1] > 0.0:
+                others[name] = float(np.sign(angle[-1] - angle[0]))
+    return others
 
 
 def _before_locks(results):
