@@ -107,6 +107,8 @@ STRUCTURE = [
      "body 'hub': there is no function 'sqr'; did you mean 'sqrt'?"),
     ("mass: $mass", "mass: $mass + open('x')", 13, "'x')",
      "body 'hub': the expression \"$mass + open('x')\" may contain numbers, $parameters, + - * / ** ( ) and functions only"),
+    ("mass: $mass", "mass: $mass^2/12", 13, "$mass^",
+     "body 'hub': the expression '$mass^2/12' has the power ^, which is written **, as in 2**3"),
     ("mass: $mass", "mass: $mass / (1 - 1)", 13, "$mass /",
      "body 'hub': the expression '$mass / (1 - 1)' divides by zero"),
     ("mass: $mass", "mass: $mass * sink", 13, "sink",

@@ -198,6 +198,8 @@ class _Reading:
         if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
             return self._called(tree, inner)
         what = "may contain numbers, $parameters, + - * / ** ( ) and functions only"
+        if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.BitXor):
+            what = "has the power ^, which is written **, as in 2**3"
         raise _wrong(self.text, what, self._column(tree))
 
     def _called(self, tree, inner):
