@@ -267,7 +267,7 @@ def test_the_deck_is_there_as_written_and_as_understood(report, path):
 
 def test_what_cannot_be_reported_is_refused(path, tmp_path, monkeypatch):
     monkeypatch.setattr(report_page, "_image", lambda figure: "")  # what is refused need not be drawn
-    with pytest.raises(UsageError, match="end with .html"):
+    with pytest.raises(UsageError, match="end with .html; print it in a browser to get a PDF"):
         write_report(path, tmp_path / "page.pdf")
     with pytest.raises(ResultsError, match="cannot make the folder /proc/pages"):
         write_report(path, "/proc/pages/page.html")

@@ -43,7 +43,7 @@ def write_report(
     """
     page = Path(page)
     if page.suffix not in (".html", ".htm"):
-        raise UsageError(f"--report {page}: the name of a page must end with .html")
+        raise UsageError(f"--report {page}: the name of a page must end with .html; print it in a browser to get a PDF")
     text = page_of(_report(path, title, plots, transforms))
     make_folder(page.parent)
     with atomic_file(page) as hidden:
