@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.deck.short_bumps import turn_over_bumps
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
+from mecano.immutable import mutable
 from mecano.model.model import length_scale, title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
@@ -53,7 +54,7 @@ AUTOMATIC = "automatic"
 SHARE_OF_TOLERANCE = 0.01  # of an adaptive run: residual forces relative to those at work
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Prepared:
     """A model ready for analysis, with its initial state and diagnostics."""
 

@@ -11,7 +11,7 @@ a parameter that is a word are copied once, with the word in its place.
 
 from collections.abc import Iterable
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.compose import Given, Node, Pair
@@ -26,6 +26,7 @@ from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError, Mark, Problem
+from mecano.immutable import mutable
 from mecano.schema import Field
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ MOST_VALUES = 400_000
 MOST_PLACED = 10_000
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Level:
     """The deck, or a copy of a template: its parameters, its place, and its sources as seen from there."""
 

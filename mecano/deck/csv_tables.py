@@ -9,7 +9,7 @@ import os
 import re
 from array import array
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from mecano.deck.source import Source
 from mecano.deck.units import UnitError, factor_of, parsed, unit_of
 from mecano.deck.values import in_range
 from mecano.deck.wording import quoted
+from mecano.immutable import mutable
 
 if TYPE_CHECKING:
     from mecano.deck.scope import Scope
@@ -31,7 +32,7 @@ DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Table:
     """Points (x, y) of a file in SI units, with the line of each."""
 
@@ -50,7 +51,7 @@ class Table:
         return Node(None, self.source, self.rows[i] if i < len(self.rows) else 0)
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class ColumnRequest:
     """Request of a law to a table: for x and y (node of a header or number, or None) and (node of a unit, or None)."""
 

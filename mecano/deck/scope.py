@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -14,6 +14,7 @@ from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import as_list, corrected, found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Mark, Problem
+from mecano.immutable import mutable
 from mecano.schema import SECTION_OF, Field
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ Checked: TypeAlias = Any  # value of a field, of any type, a Reference to anothe
 Check: TypeAlias = "Callable[[Node, Field, Scope], Checked]"
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Reference:
     """A name of an entry of a section; the entry replaces the name once all sections have been read."""
 
@@ -65,7 +66,7 @@ class Reference:
     use: Field | None = None  # of a law
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Scope:
     """State of one check of a deck."""
 

@@ -85,7 +85,7 @@ class Context:
     length: float = 1.0  # length scale of the model [m]
 
 
-@immutable(kw_only=True, init=False)
+@immutable(kw_only=True)
 class DeckEntry:
     """The entry of a kind in a deck: its fields, their checks, and the conversion of the values."""
 
@@ -142,7 +142,7 @@ class DeckEntry:
     default numbers from 0.5 to 1 and random vectors in every phase, for a kind that has no other fields"""
 
 
-@immutable(kw_only=True, init=False)
+@immutable(kw_only=True)
 class Mechanics:
     """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
 
@@ -232,7 +232,7 @@ class Mechanics:
         return 3 * len(self.layout) + own + len(self.coupled_multipliers)
 
 
-@immutable(kw_only=True, init=False)
+@immutable(kw_only=True)
 class Events:
     """The discrete behaviour of a kind: phases, events that change them, memory, times at which steps must end."""
 

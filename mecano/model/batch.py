@@ -4,11 +4,12 @@ Joints whose parts have additional multipliers, because of an option, form a sep
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.immutable import mutable
 from mecano.jit.memory import LANES, lanes_dtype
 from mecano.model.loop_records import BATCH, record
 
@@ -24,7 +25,7 @@ LINES = 128  # B, two lines of the cache
 WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "y", "energies")
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Batch:
     """Elements of one kind: records, tables, and their addresses for the compiled loops.
 

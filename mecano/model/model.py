@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.immutable import mutable
+
 if TYPE_CHECKING:
     from mecano.element_interface import Kind
     from mecano.laws.law_table import LawTable
@@ -33,7 +35,7 @@ class Element:
     values: "Values" = field(default_factory=dict)
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Model:
     """Nodes, elements, laws and gravity; the node name ``GROUND`` denotes a fixed node at the element's other node."""
 

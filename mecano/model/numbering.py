@@ -5,11 +5,11 @@ identification, Cardona, Geradin & Doan 1991, section 3.1).
 """
 
 from collections.abc import Iterable, Sequence, Set
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from mecano.immutable import mutable
 from mecano.jit.entry import Indices
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class Unknowns(NamedTuple):
     n: int
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Numbering:
     """Indices of all unknowns in z; see state.py for the order."""
 

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
@@ -20,8 +19,7 @@ if TYPE_CHECKING:
 QUATERNION = (4,)
 
 
-@immutable
-class Column:
+class Column(NamedTuple):
     """A named quantity of the row, with its unit and meaning; ``shape`` is (), (3,) or (4,)."""
 
     path: str

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.immutable import mutable
 from mecano.jit.entry import Indices, Matrices, Vector
 
 
@@ -78,7 +79,7 @@ class History:
     spent: float = 0.0  # iterations since the tangent was factored, with those that its factorization is worth
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class RadauHistory:
     """Variables of Radau IIA besides the motion."""
 

@@ -14,11 +14,8 @@ import itertools
 import json
 import re
 from collections.abc import Iterable
-from functools import cached_property
 from math import prod
-from typing import Any, Self
-
-from mecano.immutable import immutable
+from typing import Any, NamedTuple, Self
 
 FORMAT = "mecano results"
 FORMAT_VERSION = 1
@@ -29,8 +26,7 @@ AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 """Names of the components of vectors and of unit quaternions."""
 
 
-@immutable
-class Series:
+class Series(NamedTuple):
     """Declaration of a series: path in the file, unit, description, shape of one value."""
 
     path: str
@@ -38,7 +34,7 @@ class Series:
     doc: str
     shape: tuple[int, ...] = ()
 
-    @cached_property
+    @property
     def components(self) -> tuple[str, ...]:
         """Names of the components in C order: x, y, z of a vector, 0.0, 0.1, ... of a matrix, none of a number."""
         if not self.shape:

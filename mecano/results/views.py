@@ -4,7 +4,6 @@ A view has its own path and shape, and costs nothing during the run. As there ma
 several are created once, and the low-level interface of h5py is used.
 """
 
-from dataclasses import replace
 from math import prod
 
 import h5py
@@ -75,11 +74,11 @@ def _space(shape):
 
 def make_views(file: h5py.File, axes: Axes, layout: Layout, outputs: h5py.Dataset, steps: h5py.Dataset) -> None:
     """Create a view of each series of a Layout in an h5py file, in the datasets ``outputs`` and ``steps``."""
-    views = Views(file, axes, outputs, replace(layout.axis, path="time"))
+    views = Views(file, axes, outputs, layout.axis._replace(path="time"))
     name_axes(outputs, views.times, axes.scale(1 + layout.size))
     for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
         views.add(series, 1 + layout.slices[series.path].start)
     views = Views(file, axes, steps, STEP_TIME)
     name_axes(steps, views.times, axes.scale(1 + len(layout.steps)))
     for column, series in enumerate(layout.steps, start=1):
-        views.add(replace(series, path=f"solver/{series.path}"), column)
+        views.add(series._replace(path=f"solver/{series.path}"), column)

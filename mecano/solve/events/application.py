@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from mecano.errors import name_list
+from mecano.immutable import mutable
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, EventRecord
@@ -27,7 +28,7 @@ MOST_AT_ONCE = 20  # occurrences of one event of one element at one instant
 MOST_NAMES = 8  # named in a warning
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class EventApplication:
     """Applies events to the run of ``system`` by ``method``; counts those that repeat at one instant."""
 

@@ -10,10 +10,12 @@ winder it is the return mapping of plasticity: the elastic line first, its winde
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from mecano.immutable import mutable
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.step_info import Trial
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class EventCapture:
     """Decides when elastic events (``Event.elastic``) are captured, and makes the steps that capture them.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mecano.errors import AssemblyError, NonFiniteError
+from mecano.immutable import mutable
 from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
@@ -51,7 +52,7 @@ class Accepted:
     event_records: tuple[EventRecord, ...] = ()  # events at its end
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class TimeIntegrator:
     """Time integration of ``system`` by ``method`` with step sizes from ``control``; a RunState is its state."""
 

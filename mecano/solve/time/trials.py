@@ -1,11 +1,11 @@
 """Trial steps from a state, until one has an admissible error and ends at its first event, if it has any."""
 
 from collections.abc import Set
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.immutable import mutable
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
@@ -25,7 +25,7 @@ BEYOND = 2.0  # times to an impact that a long step would not show, at the prese
 OVERLAP = 1e-3  # of the gap up to which contacts touch: one that has opened closes again where it overlaps by more
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Trials:
     """Trial steps of ``system`` by ``method``, judged by ``control``; steps end at ``corners`` of laws of time.
 
