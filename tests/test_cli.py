@@ -42,7 +42,7 @@ output: {every: 0.01}
 """
 NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
 TRIES = 8  # of a limit on the processor time, which other processes lengthen
-LIBRARIES = ("numpy", "llvmlite.binding", "h5py", "yaml", "click")
+LIBRARIES = ("numpy", "h5py", "yaml", "click")
 HEAVY = ("numpy", "scipy", "llvmlite", "numba", "h5py", "matplotlib", "yaml")
 
 
@@ -164,7 +164,7 @@ class TestRun:
         for i in range(TRIES):
             libraries = processor_time("-c", f"import {', '.join(LIBRARIES)}", command=[sys.executable])
             times.append((processor_time("run", deck, "-q", "-o", f"{i}.h5", cwd=folder), libraries))
-            if times[-1][0] < max(1.5, 2.7 * libraries):  # the latter on a busy machine: there all takes longer
+            if times[-1][0] < max(1.5, 2.2 * libraries):  # the latter on a busy machine: there all takes longer
                 break
         else:
             raise AssertionError(times)
@@ -173,7 +173,8 @@ class TestRun:
     def test_a_warm_one_imports_neither_compiler_nor_scipy_nor_other_kinds(self, call, folder, words):
         call(*words)  # compiles, if need be
         loaded = loaded_by(*words, *(("-o", "warm.h5") if words[0] == "run" else ()))
-        assert "mecano.solve.time.time_integration" in loaded and not {"numba", "scipy", "matplotlib"} & loaded
+        assert "mecano.solve.time.time_integration" in loaded
+        assert not {"numba", "llvmlite.binding", "scipy", "matplotlib"} & loaded
         kinds = set(MODULES.values()) & {name.removeprefix("mecano.elements.") for name in loaded}
         assert kinds == {"bodies.rigid_body", "joints.hinge", "signals.formula"}  # any deck may contain the last
 

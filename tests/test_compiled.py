@@ -18,13 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from llvmlite.binding import get_host_cpu_features as host_features
+from llvmlite.binding import get_host_cpu_name
 
 from mecano.errors import CompilationError, ResultsError
-from mecano.jit import compiler, machine_code, shipped, store, trust
+from mecano.jit import compiler, image, machine_code, processor, shipped, store, trust
 from mecano.jit.digest import digest, is_digested
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
+from mecano.solve.time.increments import largest
 
 Spec = namedtuple("Spec", "origin")
 SYMBOLS = 2  # a section of symbols
@@ -296,6 +297,27 @@ class TestStore:
             assert (again, third) == ("True", first)
             assert list(path.parent.iterdir()) == [path]
 
+    @pytest.mark.skipif(not image.POSSIBLE, reason="all code is loaded by LLVM")
+    def test_where_images_are_not_possible_llvm_loads_the_same_code(self, filled, tmp_path):
+        script = "from mecano.jit import image\nimage.POSSIBLE = False\n" + textwrap.dedent(SCRIPT)
+        for compiled in "True", "False":
+            assert run_script(script, tmp_path).stdout.split() == [compiled, filled[1][1]]
+        (path,) = tmp_path.rglob("*.o")
+        assert b"\x7fELF" in path.read_bytes()
+
+    @pytest.mark.skipif(not image.POSSIBLE, reason="all code is loaded by LLVM")
+    def test_an_image_is_not_made_of_unknown_relocations(self, monkeypatch):
+        symbol, code = compiler.entry_code(largest)
+        assert image.linked(symbol, code).startswith(b"0 ")
+        monkeypatch.setattr(image, "RELATIVE", ())
+        with pytest.raises(SystemError, match=f"{symbol}: unexpected relocation of type 2"):
+            image.linked(symbol, code)
+
+    def test_where_linux_does_not_describe_the_processor_llvm_does(self, monkeypatch):
+        monkeypatch.setattr(processor, "description", dict)
+        monkeypatch.delenv("NUMBA_CPU_NAME", raising=False)
+        assert get_host_cpu_name() in processor.key()
+
     def test_code_that_the_user_has_not_signed_is_not_loaded(self, copied):
         """Another user can compute any hash without the secret; the object is compiled again."""
         folder, first = copied
@@ -308,7 +330,7 @@ class TestStore:
 
     def test_an_installation_with_machine_code_needs_no_compiler(self, tmp_path):
         """On a processor of its level, of the user who installed it, and as long as nobody else can write there."""
-        if not set(shipped.LEVELS["x86-64-v2"].split()) <= {n for n, yes in host_features().items() if yes}:
+        if not {*shipped.LEVELS["x86-64-v2"].split()} <= {*processor.description().get("flags", "").split()}:
             pytest.skip("not a processor of this level")
         head = f"from mecano.jit import shipped, store\nshipped.OBJECTS = store.Path({str(tmp_path / 'objects')!r})\n"
         script, level = head + textwrap.dedent(SCRIPT), {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}
@@ -445,8 +467,8 @@ class TestStore:
     @pytest.mark.parametrize(
         ("of", "name", "value"),
         [
-            (store.llvm, "get_host_cpu_name", lambda: "another"),
-            (store.llvm, "get_process_triple", lambda: "another"),
+            (processor, "description", lambda: {"model": "another"}),
+            (processor.platform, "machine", lambda: "another"),
             (store.llvmlite, "__version__", "0.0"),
             (sys, "abiflags", "t"),
             (store, "COMPILER", ("compiler",)),

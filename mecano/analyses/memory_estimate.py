@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
     from mecano.model.system import System
 
-PROGRAM = 108e6  # B of Python, NumPy, HDF5, LLVM's linker and compiled code
+PROGRAM = 60e6  # B of Python, NumPy, HDF5 and compiled code
 SCIPY = 30e6  # B if it is imported: for ordering many nodes, and for redundant constraints
 SERIES = 2900.0  # B for each series: its declaration, its view in the file, its share of the buffered rows
 

@@ -17,7 +17,7 @@ from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
 from numba.extending import overload, register_model
 
-from mecano.jit import convention, indexing, memory  # noqa: F401  indexing registers itself
+from mecano.jit import convention, image, indexing, memory  # noqa: F401  indexing registers itself
 from mecano.jit.aggregates import known_items
 from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
@@ -28,8 +28,8 @@ from mecano.jit.named_tuple import classes, gathered
 from mecano.jit.null_matrix import NullMatrix
 from mecano.jit.numba_methods import register_methods
 from mecano.jit.passes import KernelCompiler
+from mecano.jit.processor import target
 from mecano.jit.shortcuts import shortcuts
-from mecano.jit.store import processor
 from mecano.process.interrupt import call_interruptibly
 
 # Functions that machine code may call: C mathematics, C memory, the rejection of the arguments of a call.
@@ -185,9 +185,11 @@ def _fatal_error(variables):
 
 
 def _target():
-    name, features = processor()
-    of = llvm.Target.from_default_triple()
-    return of.create_target_machine(cpu=name, features=features, opt=3, reloc="default", codemodel="jitdefault")
+    name, features = target()
+    of, model = llvm.Target.from_default_triple(), {"reloc": "default", "codemodel": "jitdefault"}
+    if image.POSSIBLE:
+        model = {"reloc": "pic", "codemodel": "small"}
+    return of.create_target_machine(cpu=name, features=features, opt=3, **model)
 
 
 def _is_null_matrix(A):

@@ -8,17 +8,15 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
-from functools import cache
 from typing import NamedTuple
 
 from mecano.errors import UsageError
-from mecano.jit import store
-from mecano.jit.llvm import llvm
+from mecano.jit import image, store
 from mecano.process.memory import require_memory
 
-TO_LOAD, TO_COMPILE = 16 * 2**20, 64 * 2**20  # bytes that must be free
+TO_COMPILE = 64 * 2**20  # bytes that must be free
 
-_kept = []  # keeps alive the code that LLVM has loaded
+_kept = []  # keeps loaded code alive
 _addresses = {}  # of the functions that are loaded, by their file
 _times = []  # wall-clock time of each compilation of this process [s]
 _listeners = []  # called before and while something is compiled
@@ -68,7 +66,7 @@ def compile_code(code):
 
             with compilation_errors(code.name):
                 symbol, machine_code = code.generate(compiler)
-            found = symbol.encode() + b"\n" + machine_code
+            found = image.linked(symbol, machine_code) if image.POSSIBLE else symbol.encode() + b"\n" + machine_code
             store.write(code.file, found)
     return found
 
@@ -122,22 +120,13 @@ def compile_time():
     return sum(_times)
 
 
-@cache
-def _linker():
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.create_lljit_compiler()
-
-
 def _load(files):
-    """Load the functions of ``files`` {name: contents} as one library."""
-    require_memory(TO_LOAD)
-    library, symbols = llvm.JITLibraryBuilder().add_current_process(), {}
-    for file, content in files.items():
-        symbol, machine_code = content.split(b"\n", 1)
-        symbols[file] = symbol.decode()
-        library.add_object_img(machine_code).export_symbol(symbols[file])
+    """Load the functions of ``files`` {name: contents} at once."""
+    if image.POSSIBLE:
+        load = image.load
+    else:
+        from mecano.jit.llvm import load  # takes long to import
     with lock:
-        loaded = library.link(_linker(), f"library {len(_kept)}")
-        _kept.append(loaded)
-        _addresses.update({file: loaded[symbol] for file, symbol in symbols.items()})
+        addresses, kept = load([*files.values()])
+        _kept.append(kept)
+        _addresses.update(zip(files, addresses, strict=True))

@@ -17,8 +17,7 @@ from pathlib import Path
 
 import llvmlite
 
-from mecano.jit import shipped, trust
-from mecano.jit.llvm import llvm
+from mecano.jit import processor, shipped, trust
 
 try:
     import fcntl
@@ -26,7 +25,7 @@ except ImportError:  # not a POSIX system
     fcntl = None
 
 COMPILER = (
-    "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "lanes",
+    "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "image", "indexing", "kernel", "lanes",
     "library", "memory", "methods", "named_tuple", "null_matrix", "numba_methods", "passes", "symbols",
 )  # fmt: skip
 """Modules that generate code."""
@@ -98,19 +97,8 @@ def _key():
     found = find_spec("numba")  # an installation that holds machine code can do without
     numba = Path(found.origin).with_name("_version.py").read_bytes() if found else b""
     versions = [llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", "")]
-    depends = " ".join([_sources(), *versions, llvm.get_process_triple(), *processor()])
+    depends = " ".join([_sources(), *versions, processor.key()])
     return hashlib.sha256(numba + depends.encode()).hexdigest()[:16]
-
-
-def processor():
-    """Return the name and the features of the processor for which functions are compiled, in the words of LLVM.
-
-    It is this one, unless numba's variables NUMBA_CPU_NAME and NUMBA_CPU_FEATURES name another.
-    """
-    given = os.environ.get("NUMBA_CPU_NAME"), os.environ.get("NUMBA_CPU_FEATURES")
-    return given if all(text is not None for text in given) else (
-        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    )  # fmt: skip
 
 
 def _sources():
@@ -242,8 +230,10 @@ def ship(level):
     Returns the folder and its size [bytes]. Raises ValueError if this process compiles for other processors, OSError if
     the package cannot be written.
     """
-    if processor() != (level, ""):
-        raise ValueError(f"this process compiles for {processor()[0]}: set NUMBA_CPU_NAME={level} NUMBA_CPU_FEATURES=")
+    if processor.target() != (level, ""):
+        raise ValueError(
+            f"this process compiles for {processor.target()[0]}: set NUMBA_CPU_NAME={level} NUMBA_CPU_FEATURES="
+        )
     target = shipped.place(_sources(), level)
     return target, _copy_to(target)
 
