@@ -2,7 +2,6 @@
 
 import math
 import os
-import shutil
 import sys
 import time
 from collections import deque
@@ -52,7 +51,11 @@ class Messages:
         """Print a text on separate lines."""
         if not self.quiet:
             self._clear()
-            width = min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH) if self.terminal else WIDTH
+            width = WIDTH
+            if self.terminal:
+                from shutil import get_terminal_size  # takes long to import
+
+                width = min(get_terminal_size((WIDTH, 24)).columns, WIDTH)
             lines = wrap(
                 f"mecano: {text}", width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
             )

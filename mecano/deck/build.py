@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-WITH_CORNERS = re.compile(r"\b(?:abs|min|max|step)\(")
+WITH_CORNERS = r"\b(?:abs|min|max|step)\("
 
 
 def _with_unit_in_si(d):
@@ -110,7 +110,7 @@ def _corners(deck):
 
 
 def _formula_corners(deck):
-    formulas = {text for text in _formulas_of_time(deck) if WITH_CORNERS.search(text)}
+    formulas = {text for text in _formulas_of_time(deck) if re.search(WITH_CORNERS, text)}
     if not formulas:
         return ()
     from mecano.laws.formula_corners import corners  # few runs need it

@@ -23,10 +23,10 @@ MAX_NODES = 4_000_000
 MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is refused before it is parsed
 MAX_EXPANDED = 100_000  # nodes that aliases may add
 MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
-NAME = re.compile(r"[^\W\d][\w$()-]*")
+NAME = r"[^\W\d][\w$()-]*"
 LONGEST_FORMULA = 1000  # characters of one without quotes
 ITEM_START = frozenset("-+.0123456789$(")  # of an item of a list that is a number
-CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+CONTROL = "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]"
 
 Content: TypeAlias = Any  # of a node: a scalar, a list of nodes, or {key: (node of the key, node)}
 
@@ -123,7 +123,7 @@ class Composer:
         text = event.value
         plain = event.implicit[0] and event.tag is None
         node = self.new(event, resolved(text) if plain else text, text)
-        if event.style == '"' and CONTROL.search(text):
+        if event.style == '"' and re.search(CONTROL, text):
             self.problem("control characters are not allowed", node)
         if event.anchor:
             self.anchors[event.anchor] = (node, 1, 0)
@@ -303,7 +303,7 @@ def _is_item(mapping, key, node):
     _, before = next(reversed(mapping.values()))
     if type(before.value) is str and _is_open(before.value):
         return True
-    if NAME.fullmatch(key.raw) or ":" in key.raw or "=" in key.raw:
+    if re.fullmatch(NAME, key.raw) or ":" in key.raw or "=" in key.raw:
         return False
     scalar = type(before.value) not in (list, dict, type(None))
     return type(before) is Continued or (scalar and key.raw[0] in ITEM_START)

@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     from mecano.deck.parameters import Parameters
 
 OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
-SIGNS = re.compile(r"[\s*/+<>,()]|^-")  # outside of inserts: of formulas, not of names
-OUTPUT = re.compile(r"\$[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+")  # an output or a motion of what a word names
-QUANTITY = re.compile(r"(?<![\w.])[0-9][0-9.]*\s*(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
-OPERAND = re.compile(rf"(?<![\w.])(?!(?:{WORDS})\b)[A-Za-z_]\w*\b(?!\s*\()")
-MEASURED = re.compile(rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()")
-JOINED = re.compile(r"[\w.$)(]")  # next to an insert: it is part of a name
+SIGNS = r"[\s*/+<>,()]|^-"  # outside of inserts: of formulas, not of names
+OUTPUT = r"\$[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+"  # an output or a motion of what a word names
+QUANTITY = r"(?<![\w.])[0-9][0-9.]*\s*(?![eE][-+0-9])[A-Za-z°%]"  # 90 deg
+OPERAND = rf"(?<![\w.])(?!(?:{WORDS})\b)[A-Za-z_]\w*\b(?!\s*\()"
+MEASURED = rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()"
+JOINED = r"[\w.$)(]"  # next to an insert: it is part of a name
 
 
 def is_formula(text: str, parameters: "Parameters") -> bool:
     """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
-    signs = OUTPUT.fullmatch(text.strip()) or SIGNS.search(INSERT.sub("", text).strip())
+    signs = re.fullmatch(OUTPUT, text.strip()) or re.search(SIGNS, INSERT.sub("", text).strip())
     if text.startswith("=") or not signs:
         return False
     shown = INSERT.sub(lambda match: "x" if parameters.word(inner_text(match)) else "0", text)
-    return not QUANTITY.search(shown) and OPERAND.search(shown) is not None
+    return not re.search(QUANTITY, shown) and re.search(OPERAND, shown) is not None
 
 
 def filled_in(text: str, parameters: "Parameters") -> str:
@@ -40,7 +40,7 @@ def filled_in(text: str, parameters: "Parameters") -> str:
 
 def with_prefix(text: str, prefix: str, own: Mapping[str, Container[str]]) -> str:
     """Return a formula in which the names of the template, those in ``own`` {section: names}, have the ``prefix``."""
-    return MEASURED.sub(lambda match: _outside(match, prefix, own), text)
+    return re.sub(MEASURED, lambda match: _outside(match, prefix, own), text)
 
 
 def is_own(name: str, own: Mapping[str, Container[str]]) -> bool:
@@ -50,11 +50,11 @@ def is_own(name: str, own: Mapping[str, Container[str]]) -> bool:
 
 def _value(match, text, parameters):
     before, after = text[: match.start()][-1:], text[match.end() :][:1]
-    begins = before == "(" or not JOINED.match(before)
+    begins = before == "(" or not re.match(JOINED, before)
     word = parameters.word(inner_text(match))
     if word:
         return OUTER * (getattr(word, "rise", 0) if begins else 0) + word.value
-    if not begins or (after != ")" and JOINED.match(after)):
+    if not begins or (after != ")" and re.match(JOINED, after)):
         return insert(match, parameters)
     value = inner_value(match, parameters)
     number = str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)

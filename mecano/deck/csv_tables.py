@@ -26,9 +26,9 @@ from mecano.immutable import mutable
 if TYPE_CHECKING:
     from mecano.deck.scope import Scope
 
-HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?", re.DOTALL)
+HEADER = r"(?s)(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?"
 MOST_COLUMNS = 10_000
-DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
+DECIMAL_COMMA = r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?"
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
 
@@ -140,7 +140,7 @@ class _Reading:
         if len(cells) > MOST_COLUMNS:
             self._refuse(line, f"the table has {len(cells)} columns; {MOST_COLUMNS} are allowed")
             return False
-        matches = [match for cell in cells if (match := HEADER.fullmatch(cell))] if header else []
+        matches = [match for cell in cells if (match := re.fullmatch(HEADER, cell))] if header else []
         names = [match[1] for match in matches]
         first, second = self.request.columns
         x, y = 0, 1
@@ -216,7 +216,9 @@ class _Reading:
             if value is None or not in_range(value):
                 place = Node(None, self.source, line, max(self.source.lines[line].find(cell), 0))
                 hint = (
-                    f"a decimal point, not a comma: {cell.replace(',', '.')}" if DECIMAL_COMMA.fullmatch(cell) else ""
+                    f"a decimal point, not a comma: {cell.replace(',', '.')}"
+                    if re.fullmatch(DECIMAL_COMMA, cell)
+                    else ""
                 )
                 self.scope.refuse(place, f"must be a finite number, got {quoted(cell)}", hint)
                 return None

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from mecano.deck.compose import Node, Pair
     from mecano.element_interface import Kind
 
-PATH = re.compile(r"'(\w+)((?:\.\w+)+)'")
+PATH = r"'(\w+)((?:\.\w+)+)'"
 
 
 def pointed_at(text: str, kind: "Kind", entry: "Pair", root: "Node") -> "Node":
@@ -20,7 +20,7 @@ def pointed_at(text: str, kind: "Kind", entry: "Pair", root: "Node") -> "Node":
     ``place_of``. ``entry``: (node of the name of the element, node of its value).
     """
     key, node = entry
-    match = PATH.match(text)
+    match = re.match(PATH, text)
     field = next((field for field in kind.fields if match and field.name == match[1]), None)
     if match is None or field is None:
         return place_of(text, node, key)

@@ -22,9 +22,9 @@ LONGEST, DEEPEST = 500, 50  # characters, levels of brackets and signs
 NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z0-9_]*)")
-INSERTED = re.compile(r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]")
-NESTED = re.compile(r"(\$\([^)$]*)\$([A-Za-z_]\w*)")
-UNIT = re.compile(r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
+INSERTED = r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]"
+NESTED = r"(\$\([^)$]*)\$([A-Za-z_]\w*)"
+UNIT = r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]"  # 90 deg
 LONGEST_NAME = 200
 OPERATORS: dict[type, Callable[..., float]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
@@ -35,7 +35,7 @@ FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log
 FUNCTIONS |= {"abs": abs, "min": min, "max": max}
 CONSTANTS = {"pi": math.pi}
 WORDS = "|".join([*FUNCTIONS, *CONSTANTS])
-DATE = re.compile("[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}")
+DATE = "[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}"
 ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{WORDS})\b)+")
 
 
@@ -62,7 +62,7 @@ def is_arithmetic(text: str) -> bool:
         and ARITHMETIC.fullmatch(text) is not None
         and re.search("[0-9]|pi", text) is not None
         and not text.strip().isidentifier()
-        and not DATE.fullmatch(text)
+        and not re.fullmatch(DATE, text)
         and ("," not in text or "(" in text)
     )
 
@@ -82,7 +82,7 @@ def names_in(text: str, parameters: "Parameters") -> list[str]:
 
 def has_inserts(text: str) -> bool:
     """Return True if a text is a name into which values are inserted; no expression has this form."""
-    return INSERTED.search(text) is not None
+    return re.search(INSERTED, text) is not None
 
 
 def inserted(text: str, parameters: "Parameters") -> str:
@@ -103,8 +103,8 @@ def inserted(text: str, parameters: "Parameters") -> str:
 
 def check_inserts(text: str) -> None:
     """Raise an ExpressionError if a name in the brackets of an insert has a $ of its own."""
-    if nested := NESTED.search(text):
-        right = NESTED.sub(r"\1\2", text)
+    if nested := re.search(NESTED, text):
+        right = re.sub(NESTED, r"\1\2", text)
         raise ExpressionError(f"within $( ) names have no $: write {quoted(right)}", nested.end(1))
 
 
@@ -153,7 +153,7 @@ def evaluate(text: str, parameters: "Parameters", bare: bool = False) -> float:
     try:
         tree = _tree(body.replace("$", "_").strip())
     except SyntaxError as error:
-        units = ": expressions contain no units, give them to a parameter" if UNIT.search(body) else ""
+        units = ": expressions contain no units, give them to a parameter" if re.search(UNIT, body) else ""
         raise _wrong(text, f"cannot be understood{units}", skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise _wrong(text, "cannot be understood") from None

@@ -25,7 +25,7 @@ MEANT = {  # terms by other names
     "force": "preload", "pulse": "bump", "spline": "table",
 }  # fmt: skip
 CURVES = {"spring": "a force in proportion to it is {linear: {slope: ...}}"}  # hints where a curve is required
-POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
+POINT_NUMBER = r"\bpoint (\d+)\b"  # number of the faulty point in the text of a check
 
 
 def law_or_name(node: Node, field: Field, scope: Scope) -> Law | Reference | Invalid:
@@ -180,7 +180,7 @@ def _with_points(values, general, in_use, node, scope):
     values |= {"file": None, "columns": None, "units": None, "points": found.points}
     text = points.check(values["points"])
     if text:
-        match = POINT_NUMBER.search(text)
+        match = re.search(POINT_NUMBER, text)
         scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")
     return not text
 

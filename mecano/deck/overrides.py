@@ -18,9 +18,9 @@ ADDING = (
     "an override changes entries and does not add them: edit the deck, include it in one that adds them, or use "
     "mecano.Deck in Python"
 )
-INDEX = re.compile("[0-9]{1,9}")
-INDEXED = re.compile(r"\[([0-9]{1,9})\]")
-ITEM = re.compile(rf"([^\[\]]+)({INDEXED.pattern})+")  # as in messages: nodes[1]
+INDEX = "[0-9]{1,9}"
+INDEXED = r"\[([0-9]{1,9})\]"
+ITEM = rf"([^\[\]]+)({INDEXED})+"  # as in messages: nodes[1]
 
 
 def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]", problems: list[Problem]) -> Node:
@@ -98,13 +98,13 @@ def _replaced(node, places, depth, new, names):
         if key not in known and depth == 1 and places[0].value in names:
             hints = [suggestion(key, known)] + ([ADDING] if depth + 1 == len(places) else [])
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", "; ".join(filter(None, hints)))
-        if key not in known and (item := ITEM.fullmatch(key)) and item[1] in known:
-            whole = [*(part.value for part in places[:depth]), INDEXED.sub(r".\1", key)]
+        if key not in known and (item := re.fullmatch(ITEM, key)) and item[1] in known:
+            whole = [*(part.value for part in places[:depth]), re.sub(INDEXED, r".\1", key)]
             _refuse(place, f"unknown key {quoted(key)}", f"an item of a list is written {'.'.join(whole)}")
         owner = _owner(key, known, names) if key not in known and depth == 0 else None
         if owner and (len(places) > 1 or owner == "parameters"):
             _refuse(place, f"unknown key {quoted(key)}", f"write {owner}.{'.'.join(part.value for part in places)}")
-        if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
+        if key not in known and depth + 1 < len(places) and re.fullmatch(INDEX, places[depth + 1].value):
             _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
         if key in known and _removes(places, depth, new, names):
             return _like(node, {name: entry for name, entry in known.items() if name != key})
@@ -113,7 +113,7 @@ def _replaced(node, places, depth, new, names):
         return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})
     if type(node.value) is list:
         items = list(node.value)
-        if not INDEX.fullmatch(key) or int(key) >= len(items):
+        if not re.fullmatch(INDEX, key) or int(key) >= len(items):
             _refuse(place, f"{quoted(key)} is not an item of a list of {len(items)}", "items are counted from 0")
         items[int(key)] = _replaced(items[int(key)], places, depth + 1, new, names)
         return _like(node, items)

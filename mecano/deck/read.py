@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mecano.laws.term import Term
     from mecano.schema import Field
 
-BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that affect the expansion
+BEFORE_COPIES = r"\s*(mecano|parameters|templates|place)\s*[.=]"  # overrides that affect the expansion
 
 
 def read_deck(
@@ -74,10 +74,10 @@ def deck_of(
     root = inclusion.merged(root)
     if inclusion.unread:
         raise DeckError(problems, UNCHECKED)
-    early = [pair for pair in inclusion.settings if BEFORE_COPIES.match(f"{pair[0].value}=")]
+    early = [pair for pair in inclusion.settings if re.match(BEFORE_COPIES, f"{pair[0].value}=")]
     before, root = root, settled(root, early, known_sections, problems)
     doubts = _doubts(before, root, [str(path.value) for path, _ in early])
-    first = [text for text in overrides if BEFORE_COPIES.match(text)]
+    first = [text for text in overrides if re.match(BEFORE_COPIES, text)]
     before, root = root, overridden(root, first, known_sections, problems)
     doubts += _doubts(before, root, [text.partition("=")[0] for text in first])
     scope = scope_of(root, kinds, terms, folder, problems)

@@ -25,7 +25,7 @@ MAX_PROBLEMS = 10_000
 MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
 MAX_SUGGESTIONS = 100
 MAX_REMEMBERED = 50  # words that are known, of suggestions that are kept
-QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
+QUOTED_KEY = r"'([A-Za-z0-9_]+)'"
 KEYWORDS = {  # type -> keywords that may replace a value
     "boolean": lambda type_: ("true", "false"),
     "either": lambda type_: type_.options[1],
@@ -33,7 +33,7 @@ KEYWORDS = {  # type -> keywords that may replace a value
 }
 MAX_KEYWORD = 20  # letters
 MAX_EXPRESSION = 80  # letters of a text that may be meant as an expression
-WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+WORD = r"[A-Za-z_][A-Za-z0-9_]*"
 MOST_PARAMETERS = 3  # named in a hint
 MOST_PARAMETERS_DEEP = 10  # parameters given by one another
 BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_-]*)")  # nothing but a parameter
@@ -131,7 +131,7 @@ class Scope:
         """Return a hint on a text that would be an expression of parameters with a '$', in place of a number, or ""."""
         if type(node.value) is not str or declared.type.name != "number" or len(node.value) > MAX_EXPRESSION:
             return ""
-        text = WORD.sub(lambda word: f"${word[0]}" if self.parameters.known(word[0]) else word[0], node.value)
+        text = re.sub(WORD, lambda word: f"${word[0]}" if self.parameters.known(word[0]) else word[0], node.value)
         return f"a parameter begins with '$': {text}" if text != node.value else ""
 
     def _keyword(self, node, declared):
@@ -256,7 +256,7 @@ def node_of(value: Any) -> Node:
 
 def place_of(text: str, node: Node, otherwise: Node) -> Node:
     """Return the node to which a text on a mapping refers: the quoted key at its beginning, or ``otherwise``."""
-    match = QUOTED_KEY.match(text)
+    match = re.match(QUOTED_KEY, text)
     if match and type(node.value) is dict and match[1] in node.value:
         return node.value[match[1]][1]
     return otherwise

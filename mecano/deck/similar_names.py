@@ -1,6 +1,5 @@
 """Names similar to a mistyped word: those with the fewest letters wrong, omitted, added or exchanged."""
 
-import difflib
 from collections import Counter
 from collections.abc import Iterable
 
@@ -10,6 +9,8 @@ MOST = 8  # names at equal distance: as many as bodies are numbered in most mech
 
 def similar(word: str, known: Iterable[str]) -> list[str]:
     """Return at most ``MOST`` names of ``known`` that are nearest to ``word``; none if no name is similar."""
+    from difflib import SequenceMatcher, get_close_matches  # not needed by decks without mistakes
+
     limit, word = LIMITS[len(word)] if len(word) < len(LIMITS) else 2, word.lower()
     letters = Counter(word)
     found: dict[int, list[str]] = {}  # by their distance
@@ -22,9 +23,9 @@ def similar(word: str, known: Iterable[str]) -> list[str]:
             found.setdefault(distance, []).append(name)
     if found:
         nearest = found[min(found)]
-        likeness = {name: difflib.SequenceMatcher(None, word, name.lower()).ratio() for name in nearest}
+        likeness = {name: SequenceMatcher(None, word, name.lower()).ratio() for name in nearest}
         return sorted(nearest, key=lambda name: likeness[name], reverse=True)[:MOST]  # equal ones in their order
-    return difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    return get_close_matches(word, known, n=1, cutoff=0.6)
 
 
 def edits(a: str, b: str) -> int:

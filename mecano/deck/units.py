@@ -4,7 +4,6 @@ A unit is a product of factors, each with a power, and divided by single ones: "
 "N m/rad", "N/m^1.5". Angles have their own dimension, so that degrees cannot be converted to metres.
 """
 
-import difflib
 import itertools
 import math
 import re
@@ -17,10 +16,10 @@ from mecano.deck.scalar import number
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 UNIT = r"[A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*"
 QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/|[eE][-+]?[0-9]))({UNIT}|1/[^\s,\[\]]+)\s*")
-NAME = re.compile("[A-Za-zµμ°%]+")
-EXPRESSION = re.compile(r"[$()+]| [-*] ")  # arithmetic after a unit
+NAME = "[A-Za-zµμ°%]+"
+EXPRESSION = r"[$()+]| [-*] "  # arithmetic after a unit
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
-NO_POWER = re.compile(r"[A-Za-z]\^?0")  # that nobody means
+NO_POWER = r"[A-Za-z]\^?0"  # that nobody means
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
 Powers: TypeAlias = tuple[float, float, float, float]  # of m, kg, s and rad
@@ -163,7 +162,7 @@ def is_in_si(text: str) -> bool:
 
 def si_unit(text: str) -> str:
     """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
-    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], number_and_unit(text)[1])
+    unit = re.sub(NAME, lambda match: SI[_simple(match[0])[1]], number_and_unit(text)[1])
     return "" if unit == "1" else unit
 
 
@@ -174,7 +173,9 @@ def written_in_si(unit: str) -> str:
     """
     _unit(unit)
     plain = unit.translate(str.maketrans("*·²³", "  23"))
-    si = " ".join(NAME.sub(lambda match: SI[_simple(match[0])[1]], re.sub(r"\^(-?[0-9])(?!\.)", r"\1", plain)).split())
+    si = " ".join(
+        re.sub(NAME, lambda match: SI[_simple(match[0])[1]], re.sub(r"\^(-?[0-9])(?!\.)", r"\1", plain)).split()
+    )
     return "-" if si == "1" else si
 
 
@@ -232,7 +233,7 @@ def _unit(unit, wanted=None):
     found = parsed(unit)
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
-    if found is None and EXPRESSION.search(unit):
+    if found is None and re.search(EXPRESSION, unit):
         raise UnitError(
             f"'{unit[:40]}' is not a unit; expressions contain no units: give a parameter the number with its unit"
         )
@@ -250,12 +251,13 @@ def _meant(word, wanted=None):
     text = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", word.replace("**", "^"))
     parts = [[part] if i % 2 else _readings(part) for i, part in enumerate(re.split(r"([ /*·]+)", text))]
     combined = itertools.islice(itertools.product(*parts), MOST_READINGS)
-    whole = {unit: found[1] for unit in map("".join, combined) if (found := parsed(unit)) and not NO_POWER.search(unit)}
-    near = (
-        difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
-        if len(word) > 1
-        else []
-    )
+    readings = (unit for unit in map("".join, combined) if not re.search(NO_POWER, unit))
+    whole = {unit: found[1] for unit in readings if (found := parsed(unit))}
+    near = []
+    if len(word) > 1:
+        from difflib import get_close_matches  # not needed by decks without mistakes
+
+        near = get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
     fitting = [unit for unit, powers in whole.items() if any(_fits(powers, known) for known in wanted or ())]
     return next(iter([*fitting, *whole, *near]), "")
 

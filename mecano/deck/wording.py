@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
 SLIPS = (  # as typed, as read
-    (re.compile(r"[,;]\s*$"), ""), (re.compile("[−–]"), "-"),
-    (re.compile(r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))"), ""),
-    (re.compile(r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)"), ""), (re.compile("(?<=[0-9]),(?=[0-9])"), "."),
-    (re.compile(r"\s*[x*·×]\s*10\s*(?:\^|\*\*)\s*"), "e"), (re.compile(r"^10\s*\^"), "1e"),
+    (r"[,;]\s*$", ""), ("[−–]", "-"),
+    (r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))", ""),
+    (r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)", ""), ("(?<=[0-9]),(?=[0-9])", "."),
+    (r"\s*[x*·×]\s*10\s*(?:\^|\*\*)\s*", "e"), (r"^10\s*\^", "1e"),
 )  # fmt: skip
-THOUSANDS_COMMA = re.compile(r"[^,.]*[0-9],[0-9]{3}(?![0-9])[^,.]*")
+THOUSANDS_COMMA = r"[^,.]*[0-9],[0-9]{3}(?![0-9])[^,.]*"
 LISTS = ("vector", "direction", "inertia", "numbers", "nodes")  # types whose values are lists
-QUOTED = re.compile(r"\[.*\]|\{.*\}", re.DOTALL)  # a list or mapping given as text
+QUOTED = r"(?s)\[.*\]|\{.*\}"  # a list or mapping given as text
 AXES = {sign + axis: f"[{', '.join(f'{sign}1' if axis == other else '0' for other in 'xyz')}]".replace("+", "")
         for sign in ("", "+", "-") for axis in "xyz"}  # fmt: skip
 MAX_SHOWN = 60
@@ -67,11 +67,11 @@ def how_to_write(node: "Node", field: "Field") -> str:
 
 def corrected(text: str) -> str:
     """Return the number or quantity that is meant by a text with slips of typing, or ""."""
-    if len(text) > MAX_SHOWN or THOUSANDS_COMMA.fullmatch(text):
+    if len(text) > MAX_SHOWN or re.fullmatch(THOUSANDS_COMMA, text):
         return ""  # 1,000 may be 1000 or 1.000
     right = text
     for slip, instead in SLIPS:
-        right = slip.sub(instead, right)
+        right = re.sub(slip, instead, right)
     return right if right != text and (is_quantity(right) or number(right) is not None) else ""
 
 
@@ -81,7 +81,7 @@ def as_list(node: "Node", field: "Field") -> str:
         return f"write {AXES[node.value.lower()]}"
     if type(node.value) is str and field.type.name in LISTS and re.fullmatch(r"-[A-Za-z_]\w*", node.value):
         return "write a space after '-'"
-    if type(node.value) is str and field.type.name != "text" and QUOTED.fullmatch(node.value.strip()):
+    if type(node.value) is str and field.type.name != "text" and re.fullmatch(QUOTED, node.value.strip()):
         return "write it without quotes; from Python give a list or a dict, not its text"
     lone = node.value[0].value if type(node.value) is list and len(node.value) == 1 else node.value
     if type(lone) is not str or field.type.name not in LISTS or len(lone) > MAX_SHOWN:

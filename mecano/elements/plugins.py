@@ -8,7 +8,6 @@ modules: it is data only, and a file runs only if the user names it.
 import hashlib
 import os
 import sys
-import traceback
 from functools import cache
 from glob import glob
 from importlib.util import module_from_spec, spec_from_file_location
@@ -110,7 +109,9 @@ def _run(source, path, name):
 
 def _failed(error, source):
     """Return the error of a module as text, with the last line of the module that was reached."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if source in frame.filename]
+    from traceback import extract_tb  # not needed by plugins without errors
+
+    lines = [frame.lineno for frame in extract_tb(error.__traceback__) if source in frame.filename]
     line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
     return f"cannot be run: {'' if line is None else f'line {line}: '}{type(error).__name__}: {error}"
 

@@ -52,11 +52,11 @@ ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
 }  # fmt: skip
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
-UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
+UNIT = r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]"  # 100 rpm
 TOGETHER = "of several, all are true if the smallest difference is above zero, 'min(a - b, c - d) > 0', one if 'max' is"
-PART = re.compile(r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b")  # rod.1
-WORD = re.compile(r"(?<![\w.$])[A-Za-z_]\w*")
-COMPARISON = re.compile(r"(>=|<=|>|<)")
+PART = r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b"  # rod.1
+WORD = r"(?<![\w.$])[A-Za-z_]\w*"
+COMPARISON = r"(>=|<=|>|<)"
 
 
 class FormulaError(Exception):
@@ -114,11 +114,11 @@ def _cause(body):
         return "a bracket is closed that was not opened"
     if re.search(r"\bif *\(", body, re.IGNORECASE):
         return f"it cannot be understood: {ELSEWHERE['if']}"
-    if unit := UNIT.search(body):
+    if unit := re.search(UNIT, body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
-    if word := next((match[0] for match in WORD.finditer(body) if keyword.iskeyword(match[0])), ""):
+    if word := next((match[0] for match in re.finditer(WORD, body) if keyword.iskeyword(match[0])), ""):
         return f"it cannot be understood at '{word}', which cannot be a name in formulas: choose another name"
-    if part := PART.search(body):
+    if part := re.search(PART, body):
         return (
             f"it cannot be understood at '{part[0]}': formulas do not read nodes and elements of a mesh; end the "
             "member at a node of its own and read that, or the reaction of a joint"
@@ -131,7 +131,7 @@ def difference_of(condition):
 
     Raises FormulaError.
     """
-    parts = COMPARISON.split(condition)
+    parts = re.split(COMPARISON, condition)
     if len(parts) != 3:
         several = f"; {TOGETHER}" if len(parts) > 3 else ""
         raise FormulaError(f"a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'{several}")

@@ -6,7 +6,7 @@ denominators, as in N m/rad.
 
 import re
 
-FACTOR = re.compile(r"([A-Za-z]+)(-?[0-9]+)?")
+FACTOR = r"([A-Za-z]+)(-?[0-9]+)?"
 MADE_OF = {"Pa": {"N": 1.0, "m": -2.0}, "J": {"N": 1.0, "m": 1.0}, "W": {"N": 1.0, "m": 1.0, "s": -1.0},
            "Hz": {"s": -1.0}}  # fmt: skip
 NAMES = {"N m/s": "W", "N/m2": "Pa"}
@@ -38,7 +38,7 @@ def _powers(unit):
     for factor, sign in [*((factor, 1.0) for factor in product.split()), *((factor, -1.0) for factor in divisors)]:
         if factor in (NUMBER, "1"):
             continue
-        match = FACTOR.fullmatch(factor)
+        match = re.fullmatch(FACTOR, factor)
         made_of = MADE_OF.get(match[1], {match[1]: 1.0}) if match else {}
         if match is None or not made_of.keys() <= set(ORDER):
             return None

@@ -23,8 +23,8 @@ WORDS = {CLOCK: "the limit of wall-clock time"}
 STACK = 2**26  # B for a thread: compilers need more than the half megabyte of some systems
 BEGUN = time.monotonic()  # start of the process, without the startup of Python
 RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s] at most, for the last checkpoint
-UNITS = re.compile(r"(?:(\d{1,9})d)?(?:(\d{1,9})h)?(?:(\d{1,9})m)?(?:(\d{1,12})s?)?")
-OF_A_CLOCK = re.compile(r"(?:(\d{1,9})-)?(\d{1,9}):(\d\d):(\d\d)")
+UNITS = r"(?:(\d{1,9})d)?(?:(\d{1,9})h)?(?:(\d{1,9})m)?(?:(\d{1,12})s?)?"
+OF_A_CLOCK = r"(?:(\d{1,9})-)?(\d{1,9}):(\d\d):(\d\d)"
 LONGEST_LIMIT = 10**9  # s, thirty years: a timer of the system takes no more than nine times as much
 T = TypeVar("T")
 
@@ -213,7 +213,7 @@ def seconds(text: str) -> int:
 
     Raises UsageError.
     """
-    match = OF_A_CLOCK.fullmatch(text) or UNITS.fullmatch(text)
+    match = re.fullmatch(OF_A_CLOCK, text) or re.fullmatch(UNITS, text)
     numbers = [int(part or 0) for part in match.groups()] if match else [0]
     total = sum(number * size for number, size in zip(numbers, (86400, 3600, 60, 1), strict=False))
     if not total:
