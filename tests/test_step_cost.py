@@ -5,10 +5,12 @@ from calls import calls
 from time_runs import INPUTS, deck, input_deck
 
 from mecano import Deck, Simulation
+from mecano.analyses import recorder
 from mecano.analyses.dynamic import begun
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import integrator_of, prepare
 
+MOST_WRITES = 1300  # calls by which 16 MB of outputs go to the disk
 MOST = 0.2  # calls of Python's functions and of built-in ones for each step
 MOST_ADAPTIVE = 0.5  # where the step size changes, steps are rejected, and oscillations are looked for
 MOST_SAVED = 0.5  # with what goes into the results file, whose blocks have checksums
@@ -100,6 +102,13 @@ def test_saved_steps_make_few_calls(tmp_path):
         before = ongoing.state.steps
         made = calls(lambda: ongoing.advance(29.0))
         assert ongoing.state.steps - before == 28000 and made <= MOST_SAVED * 28000
+
+
+def test_rows_of_many_numbers_take_few_writes(tmp_path, monkeypatch):
+    """Those of 2 MB together."""
+    monkeypatch.setattr(recorder, "INTERVAL", 1e9)  # s
+    with begun(input_deck("reflector"), tmp_path / "r.h5", False) as ongoing:
+        assert calls(lambda: ongoing.advance(3.5), of="results/disk.py") <= MOST_WRITES
 
 
 def test_a_controller_in_python_makes_few_calls_for_a_new_value(tmp_path):

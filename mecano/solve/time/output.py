@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 DONE, FULL, NOT_FINITE, ENDED = range(4)
 SAMPLE, ENTER, SAVE = range(3)
 NEGLIGIBLE_TIME = 1e-9  # of the interval between saved times: times so near are the same
-NUMBERS = 2**15  # in a buffer
+NUMBERS, BLOCK = 2**15, 2**18  # in a buffer, and in one of long rows
 STEP_NUMBERS = 9  # time, size, iterations, error, its share, rejected trials, three norms
 
 OUTPUT = fields(
@@ -253,7 +253,7 @@ class Output:
     ):
         n = len(sampler.row)
         start, end, every = times
-        most_rows, most_steps = max(NUMBERS // (1 + n), 16), 4096
+        most_rows, most_steps = max(NUMBERS // (1 + n), min(BLOCK // (1 + n), 64), 16), 4096
         self.rows, self.steps = np.zeros((most_rows, 1 + n)), np.zeros((most_steps, STEP_NUMBERS))
         self.row = np.zeros(n)  # at the beginning of the next step, behind the events there
         x, r, rotation = sampler.nodes
