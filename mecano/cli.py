@@ -2,7 +2,6 @@
 
 import atexit
 import contextlib
-import gc
 import os
 import signal
 import sys
@@ -126,11 +125,7 @@ def _refuse_other_bytes():
 
 
 def program() -> None:
-    """Run ``main`` as the whole process, with rare garbage collection and without destruction of objects at exit.
-
-    All objects of a model live until the end. Repeated garbage collection would take 0.1 s, their destruction 0.3 s.
-    """
-    gc.set_threshold(200_000, 20, 20)
+    """Run ``main`` as the whole process, without destruction of objects at exit, which may take 0.3 s."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # set by __main__
         signal.signal(signal.SIGINT, signal.default_int_handler)
     watch_parent()

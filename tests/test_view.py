@@ -294,6 +294,6 @@ def test_a_run_that_fails_says_how_to_see_its_motion(written, tmp_path, capsys, 
     if written:
         path.touch()
     monkeypatch.setattr(subprocess, "Popen", Ended)
-    with pytest.raises(ConvergenceError), live(str(path), True):
+    with pytest.raises(ConvergenceError), live(str(path)):
         raise ConvergenceError("no step could be taken")
     assert (f"mecano view {path} shows the motion until the failure" in capsys.readouterr().err) == written

@@ -1,6 +1,7 @@
 """Commands that solve decks."""
 
 import os
+from contextlib import ExitStack
 from typing import NamedTuple
 
 import click
@@ -17,7 +18,6 @@ from mecano.commands import (
     show,
     show_with_warnings,
 )
-from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
 
@@ -73,7 +73,11 @@ def run(
         thread_pool.use(threads)
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
-    with shown(path, live):
+    with ExitStack() as shown:
+        if live:
+            from mecano.commands.viewing import live as show
+
+            shown.enter_context(show(path))
         run_with_progress(
             checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption
         )

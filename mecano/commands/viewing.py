@@ -82,14 +82,11 @@ def _serve(path, title=None, status=None):
 
 
 @contextmanager
-def live(path: str, wanted: bool) -> Iterator[None]:
+def live(path: str) -> Iterator[None]:
     """Show the results file ``path`` in a page while the block writes it and, when it is complete, until Ctrl-C.
 
     The page is served by a separate process, which ends with this one, so that the run imports nothing for it.
     """
-    if not wanted:
-        yield
-        return
     import subprocess
 
     from mecano.process.lifeline import popen_options

@@ -6,7 +6,6 @@ from typing import TypeAlias
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
-from mecano.deck.csv_tables import ColumnRequest, factor, table
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope, place_of
 from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
@@ -172,6 +171,8 @@ def _with_points(values, general, in_use, node, scope):
     if values["points"] is not None:
         scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
         return False
+    from mecano.deck.csv_tables import ColumnRequest, table  # few decks have tables in files
+
     points, used = (next(field for field in fields if field.name == "points") for fields in (general, in_use))
     request = ColumnRequest(_pair(values, "columns", node), _pair(values, "units", node), points.unit)
     found = table(values["file"], node.value["file"][1], request, scope)
@@ -193,4 +194,6 @@ def _pair(values: Values, key: str, node: Node) -> list[Node | None]:
 def _units_fit(found, declared, scope):
     """Return whether the units of the columns of a Table agree with its use; report those that do not."""
     given = [(unit_of(declared, i, 2), *pair) for i, pair in enumerate(found.units) if pair]
+    from mecano.deck.csv_tables import factor
+
     return None not in [factor(unit, wanted, place, scope) for wanted, unit, place in given]

@@ -8,7 +8,6 @@ import numpy as np
 
 from mecano.deck.error_location import pointed_at
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
-from mecano.deck.profile_curvature import check_profile_curvature
 from mecano.deck.scope import Scope
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind
@@ -89,7 +88,10 @@ def check_model(values: "Values", root: "Node", scope: Scope) -> None:
                 checked = section == "elements" and name in placed
                 if checked or _check_element(kind, element, names, at, (key, node), root, scope, noted):
                     sound.add((section, name))
-    check_profile_curvature(values, at, sound, root, scope)
+    if any(ground["profile"] for ground in values["grounds"].values()):
+        from mecano.deck.profile_curvature import check_profile_curvature  # few decks have a profile
+
+        check_profile_curvature(values, at, sound, root, scope)
     _check_latches(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
 

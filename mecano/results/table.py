@@ -29,7 +29,7 @@ def chunk_shape(width: int) -> tuple[int, int]:
     return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
 
 
-def describe(item: h5py.Dataset, **texts: str) -> None:
+def describe(item: h5py.Dataset | h5py.Group, **texts: str) -> None:
     """Write text attributes, as ``item.attrs[key] = text``, in half the time."""
     for key, text in texts.items():
         put_text(item.id, key.encode(), text)

@@ -24,7 +24,7 @@ from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_fil
 from mecano.results.file_names import give_name, refuse_existing, remove_abandoned
 from mecano.results.layout import EXTREMES, Layout
 from mecano.results.provenance import Source, provenance
-from mecano.results.table import EventTable, NumberTable, chunk_shape
+from mecano.results.table import EventTable, NumberTable, chunk_shape, describe
 from mecano.results.whole_file import hidden_name
 
 if TYPE_CHECKING:
@@ -142,7 +142,9 @@ class Writer:
         """Write deck and provenance."""
         for name, text in source.texts().items():
             self._file[f"deck/{name}"] = text
-        self._file["run"].attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance()})
+        run, about = self._file["run"], {"title": source.title, "deck_path": source.deck_path, **provenance()}
+        describe(run, **{key: text for key, text in about.items() if isinstance(text, str)})
+        run.attrs.update({key: number for key, number in about.items() if not isinstance(number, str)})
 
     @property
     def last_time(self) -> float:

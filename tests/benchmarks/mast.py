@@ -74,7 +74,7 @@ def measured(bays, repeats):
     from mecano.deck.read import deck_of_bytes
     from mecano.jit import thread_pool
 
-    gc.set_threshold(200_000, 20, 20)  # as the command does (cli.py)
+    gc.set_threshold(200_000, 20, 20)  # as the command does (__main__.py)
     statics, motion = {"static": {"steps": 1}}, {"time": {"end": 1.0, "step": STEP}}
     follow(prepare(deck_of_bytes(deck(2, **statics), "mast")))  # compiles
     text, clock = deck(bays, **statics), Clock()
