@@ -95,3 +95,45 @@ def test_a_node_without_mass_between_a_spring_and_dry_friction(regularization, t
     creep = 2.0 * tolerance + 0.2 * regularization
     assert slid.max() == pytest.approx((0.5 - 0.05) / 10.0, abs=creep)
     assert given.max() == pytest.approx(0.045 + 0.01, abs=creep)
+
+
+TOUCH_DOWN = """
+mecano: 1
+gravity: [0, 0, -9.81]
+parameters: {damping: 0, drift: 0.2}
+nodes: {strut: {position: [0, 0, 0.3]}, hub: {position: [0, 0, 0.3]}}
+elements:
+  mass: {type: rigid_body, node: strut, mass: 130, inertia: [1, 1, 1]}
+  rim: {type: rigid_body, node: hub, mass: 15, inertia: [0.5, 0.9, 0.5]}
+  tyre: {type: flexible_wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: runway}
+joints:
+  upright: {type: held_rotation, nodes: [ground, strut]}
+  bearing: {type: hinge, nodes: [strut, hub], axis: [0, 1, 0]}
+tire_laws:
+  rubber:
+    radius: 0.3
+    radial: {linear: {slope: 2.0e5}}
+    radial_damping: $damping
+    friction: 0.7
+    slip_regularization: 0.02
+    lateral: {relaxation: {cornering_stiffness: 6.0e4, relaxation_length: 0.3}}
+grounds: {runway: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+initial:
+  velocities:
+    - {nodes: all, velocity: [6.3, $drift, -0.55]}
+    - {nodes: [hub], angular_velocity: [0, 20.9, 0]}
+time: {end: 20 ms, step: 0.1 ms, adaptive: {tolerance: 1.0e-7}}
+"""
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.7])
+@pytest.mark.parametrize("drift", [0.1, 0.2, 0.3, 0.5])
+def test_a_drifting_tyre_touches_down_between_grip_and_slip(damping, drift):
+    """Load and lateral force grow together from zero; the rates of the tyre at the start satisfy both."""
+    text = TOUCH_DOWN.replace("damping: 0,", f"damping: {damping},").replace("drift: 0.2", f"drift: {drift}")
+    smooth, radau = (
+        RecordedRun(deck(text.replace("step:", f"method: {m}, step:"))) for m in ("generalized_alpha", "radau")
+    )
+    assert radau.run.motion.z[1] == pytest.approx(smooth.run.motion.z[1], abs=1e-7 * smooth.prepared.length)
+    assert radau["elements/tyre/y"][-1] == pytest.approx(smooth["elements/tyre/y"][-1], rel=1e-5)
+    assert len(smooth.time) < 265 and len(radau.time) < 50

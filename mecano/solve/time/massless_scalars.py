@@ -21,6 +21,7 @@ LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by i
 MOST_GAIN = 1e12  # relative: a matrix with a larger one is singular
 FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
 SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
+IN_BALANCE = 0.02  # of the largest rate: with a larger drift, forces depend much on rates once the state has moved
 ROUNDING = 1e-12  # of the largest value or rate: an iteration on them has converged
 
 
@@ -37,7 +38,7 @@ class MasslessScalars:
         below h, the equations count as algebraic: they determine the values, and the rates keep them satisfied while
         all velocities are constant.
         """
-        own, of = self.own, self.system.numbering
+        own = self.own
         for _ in range(SETTLING if len(own) else 0):
             last = s.z[own], s.v[own]
             self._settle_rates(s)
@@ -47,32 +48,68 @@ class MasslessScalars:
                 return
             s.v[own] -= fast @ K @ s.v[own]
             s.z[own] -= fast @ self._unbalanced(s)
-            dt, steady = DIFFERENCE * h, s.unaccelerated()
-            now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
-            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
+            s.v[own] -= fast @ self._drift(s, DIFFERENCE * h)
             s.z[own] -= fast @ self._unbalanced(s)
             if all(_same(*pair) for pair in zip(last, (s.z[own], s.v[own]), strict=True)):
-                return
+                break
+        if len(own) and not self._stays_in_balance(s, fast, DIFFERENCE * h):
+            self._search_rates(s, lambda s: self._fast_drift(s, fast, DIFFERENCE * h), np.inf)
+            s.z[own] -= fast @ self._unbalanced(s)
 
     def _settle_rates(self, s):
-        """Set the rates of these unknowns of ``s`` in place from their own equations (Levenberg)."""
-        own, reach = self.own, FIRST_REACH
+        """Set the rates of these unknowns of ``s`` in place from their own equations."""
+
+        def equations(s):
+            assembly = self.system.assemble(s, cC=1.0, into=self._assembly)
+            r = assembly.residual[self.own]
+            return r, self._block(assembly), RATE_TOLERANCE * assembly.size.max()
+
+        self._search_rates(s, equations, FIRST_REACH)
+
+    def _stays_in_balance(self, s, fast, dt):
+        """Return whether the fast unknowns of ``s``, in balance, hardly leave it within ``dt``."""
+        ahead = moved(s.unaccelerated(), dt, self.system.numbering)
+        return np.abs(fast @ self._unbalanced(ahead)).max() <= IN_BALANCE * dt * np.abs(s.v[self.own]).max()
+
+    def _drift(self, s, dt):
+        """Return the rates at which the equations leave balance while all velocities are constant."""
+        steady, of = s.unaccelerated(), self.system.numbering
+        now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
+        return (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
+
+    def _fast_drift(self, s, fast, dt):
+        """Return the drift of fast unknowns, its derivative by the rates, and what is rounding.
+
+        Friction of a tyre that touches down, for example, depends on the rates only later.
+        """
+        steady, J = s.unaccelerated(), self._tangent(s, cK=1.0)
+        for i, weight in enumerate((-3.0, 4.0, -1.0)):
+            J += weight / (2.0 * dt) * self._tangent(moved(steady, i * dt, self.system.numbering), cC=1.0)
+        return fast @ self._drift(s, dt), fast @ J, ROUNDING * np.abs(s.v[self.own]).max()
+
+    def _search_rates(self, s, equations, reach):
+        """Set the rates of these unknowns of ``s`` in place, solutions of ``equations`` (Levenberg).
+
+        equations(s) returns residuals (n,), their derivative by the rates, and the largest residual of a solution. No
+        first change exceeds ``reach``.
+        """
         best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
+        own, change = self.own, np.zeros(len(self.own))
         rates = s.v[own].copy()  # of it
         for _ in range(RATE_ITERATIONS):
-            assembly = self.system.assemble(s, cC=1.0, into=self._assembly)
-            r = assembly.residual[own]
-            if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
+            r, derivative, rounding = equations(s)
+            if np.abs(r).max() <= rounding:
                 return
             size = float(np.linalg.norm(r))
             # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
             # keeps its direction the next step goes further
             if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
-                best, rates, reach = (size, r), s.v[own].copy(), 2.0 * reach
-                C = self._block(assembly)
+                best, rates, reach, J = (size, r), s.v[own].copy(), 2.0 * reach, derivative
             else:
-                reach = 0.25 * reach
-            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
+                reach = 0.25 * min(reach, float(np.linalg.norm(change)))
+                if reach <= ROUNDING * np.abs(rates).max():
+                    break
+            change = np.linalg.lstsq(J + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
             s.v[own] = rates + change
         s.v[own] = rates
 
