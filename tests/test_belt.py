@@ -8,11 +8,18 @@ import pytest
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import ConvergenceError, DeckError
 
 S, g = "Belts and cables over pulleys", 9.81
+
+
+def test_a_closed_belt_without_pretension_is_warned_of():
+    (said,) = warnings_of(prepare(input_deck("belt_drive", "elements.belt.pretension=0")))
+    assert "belt 'belt': it is closed without 'pretension'" in said and "belt_drive.yaml:" in said
+    assert warnings_of(prepare(input_deck("belt_drive"))) == []
 
 
 def test_a_block_and_tackle(verify):

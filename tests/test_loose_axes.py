@@ -114,3 +114,13 @@ def test_a_rack_across_its_guide_is_warned_of():
         "slide: it cannot roll"
     )
     assert input_deck("rack").warnings == ()
+
+
+def test_a_follower_that_only_its_cam_holds_is_warned_of():
+    (said,) = input_deck("cam", "joints.guide=null").warnings
+    assert said.message == (
+        "point_on_curve 'profile': nothing but 'profile' holds node 'roller', which may leave the plane of the curve; "
+        "is a guide missing, or 'across: held'?"
+    )
+    assert str(said.mark).endswith("cam.yaml:28:13") and input_deck("cam").warnings == ()
+    assert input_deck("cam", "joints.guide=null", "joints.profile.across=held").warnings == ()

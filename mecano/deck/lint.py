@@ -193,6 +193,10 @@ def _joints(values, kinds):
         from mecano.deck.loose_axes import loose_axes
 
         yield from loose_axes(values, kinds)
+    if any(d.get("across") == "free" for d in values["joints"].values()):
+        from mecano.deck.loose_axes import loose_followers
+
+        yield from loose_followers(values, kinds)
     if any(d.get("release") for d in values["joints"].values()):
         from mecano.deck.loose_axes import acting_on_released
 

@@ -24,16 +24,7 @@ def loose_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Located
     A body with more joints or members is not judged: two spherical joints are a bearing, too. Those with a release are
     no longer there after it.
     """
-    body = bodies(values, kinds, turning_together)
-    at: dict[str, list[tuple[str, bool, bool]]] = {}
-    """by body: name of a joint or member, whether it holds a point only, whether it has a release"""
-    for section in SECTIONS[:2]:
-        for name, d in values[section].items():
-            kind, names = kinds[d["type"]], own_nodes(kinds[d["type"]], d)
-            if kind.counts_angles is nothing and len(names) > 1 and "attached" not in d:
-                point = set(kind.holds(d)) == POINT
-                for one in body(names):
-                    at.setdefault(one, []).append((name, point, bool(d.get("release"))))
+    body, at = bodies(values, kinds, turning_together), _around(values, kinds)
     for name, d in values["joints"].items():
         for node in dict.fromkeys(node for *_, pair in kinds[d["type"]].counts_angles(d) for node in pair):
             (one,) = body([node])
@@ -41,6 +32,20 @@ def loose_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Located
                 text = f"{d['type']} {quoted(name)}: node {quoted(node)} can turn about any axis, {held}"
                 yield ("joints", name), f"{text}; the joint holds the angle about its axis alone: is a hinge missing?"
                 break
+
+
+def _around(values, kinds):
+    """Return {body: [(name, whether it holds a point only, whether it has a release)]} of joints and members."""
+    body = bodies(values, kinds, turning_together)
+    at: dict[str, list[tuple[str, bool, bool]]] = {}
+    for section in SECTIONS[:2]:
+        for name, d in values[section].items():
+            kind, names = kinds[d["type"]], own_nodes(kinds[d["type"]], d)
+            if kind.counts_angles is nothing and len(names) > 1 and "attached" not in d:
+                point = set(kind.holds(d)) == POINT
+                for one in body(names):
+                    at.setdefault(one, []).append((name, point, bool(d.get("release"))))
+    return at
 
 
 def _loosely_held(found):
@@ -51,6 +56,20 @@ def _loosely_held(found):
     if len(lasting) < len(found):
         return f"once {name_list([quoted(name) for name, _, released in found if released], 3)} is released"
     return f"as only {quoted(found[0][0])} holds it, at a point" if found else "as no joint or member holds it"
+
+
+def loose_followers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+    """Yield (path, text) on followers that may leave the plane of their curve, and that nothing else holds."""
+    body, at = bodies(values, kinds, turning_together), _around(values, kinds)
+    for name, d in values["joints"].items():
+        if d.get("across") == "free" and len(at[next(iter(body(d["nodes"][1:])))]) == 1 and d["nodes"][1] != GROUND:
+            text = (
+                f"nothing but {quoted(name)} holds node {quoted(d['nodes'][1])}, which may leave the plane of the curve"
+            )
+            yield (
+                ("joints", name, "across"),
+                f"{d['type']} {quoted(name)}: {text}; is a guide missing, or 'across: held'?",
+            )
 
 
 def acting_on_released(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":

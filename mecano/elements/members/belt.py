@@ -102,6 +102,13 @@ def check(d, nodes):
     return texts
 
 
+def start_warnings(d, nodes):
+    """Return a warning of a closed belt without pretension, which is loose on its pulleys."""
+    if not d["closed"] or d["pretension"] > 0.0:
+        return []
+    return ["it is closed without 'pretension': only its tight spans pull, and the others are slack; is it missing?"]
+
+
 def end_conditions(d):
     """Return the end conditions of two neighbours that leave no span between them."""
     text = "has no free span left between {!r} and {!r}: they are too close"
@@ -126,7 +133,10 @@ def sample(rng):
 
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its spans have the pretension when it begins to act", False)
 BELT = Kind(
-    name="belt", section="elements", doc=__doc__, display=Display("belt"),
+    name="belt",
+    section="elements",
+    doc=__doc__,
+    display=Display("belt"),
     fields=(
         Field("nodes", NODES, "-", "points and centres of pulleys, as the belt runs"),
         Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0 at a point"),
@@ -145,5 +155,5 @@ BELT = Kind(
         ("creep", CREEPING_SPAN, "_1"),
         ("creep", CREEPING_END, "_1"),
     ),
-    **named(parts, check, end_conditions, sample),
-)  # fmt: skip
+    **named(parts, check, start_warnings, end_conditions, sample),
+)
