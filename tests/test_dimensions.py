@@ -96,3 +96,20 @@ def test_small_motions(name):
     deck = input_deck(name)
     here, there = eigenvalues(deck, np.inf), eigenvalues(SMALL.scaled(deck), np.inf) * SMALL.of("s")
     np.testing.assert_allclose(there, here, rtol=1e-8, atol=1e-8 * np.abs(here).max())
+
+
+def test_small_motions_of_a_small_caster():
+    """A wheel of 10 mm at 50 mm/s rolls forward as one of 0.32 m at 1.6 m/s does."""
+    deck = input_deck("caster_shimmy", "parameters.speed=1.6")
+    here, there = eigenvalues(deck, np.inf), eigenvalues(Units(2.0**-5, 1.0, 1.0).scaled(deck), np.inf)
+    np.testing.assert_allclose(there, here, rtol=1e-8, atol=1e-8 * np.abs(here).max())
+
+
+def test_slip_of_a_small_wheel():
+    """A wheel of 9.4 mm at 0.31 m/s: slip angle and lateral force are those of one of 0.3 m, scaled."""
+    deck, units = input_deck("step_slip"), Units(2.0**-5, 1.0, 1.0)
+    here, there = RecordedRun(deck), RecordedRun(units.scaled(deck))
+    for output, shares in (("slip_angle", 2e-3), ("lateral_force", 5e-3)):
+        column = here[f"elements/tire/{output}"]
+        found = there[f"elements/tire/{output}"] / units.of(here.columns[f"elements/tire/{output}"].unit)
+        np.testing.assert_allclose(found[10:], column[10:], rtol=0, atol=shares * np.abs(column).max())

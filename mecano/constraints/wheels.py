@@ -10,6 +10,7 @@ from mecano.maths.surface import directions
 from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
+SMALL = 0.1  # m, radius of a wheel below which speeds that mean a slow one are smaller in proportion
 CARRIED = 0.1  # of the radius: largest distance over which the assembly moves a wheel onto the ground
 PLACED = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
@@ -92,3 +93,9 @@ def put_outputs(y, q, push, radius, wheel):
     put_contact(y, q, push, radius, wheel)
     if push[0] > 0.0:
         y[13] = norm(Vec3(push[1], push[2], 0.0)) / push[0]
+
+
+@kernel
+def slow(radius, speed):
+    """Return the ``speed`` [m/s] below which a wheel counts as slow, for one of this ``radius`` [m]."""
+    return speed * min(1.0, radius / SMALL)

@@ -20,7 +20,8 @@ Moreland's law without C1.
 
 Where the wheel rolls backward, psi = -C F: the patch turns the other way for the same force, and the moment of a trail
 changes its sign. The terms of y in M and in the aligning moment are therefore multiplied by the direction of rolling,
-from -1 to 1 between -0.1 and 0.1 m/s of the axle, in all laws but ``matrices`` and ``string``.
+from -1 to 1 between -0.1 and 0.1 m/s of the axle, in all laws but ``matrices`` and ``string``; for a radius r < 0.1 m
+between -r and r per second.
 
 Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that also depends on the speed u and on
 the turning rate omega_n of the wheel about n, and an aligning moment of their own. The string has a third unknown, the
@@ -46,6 +47,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.tire_patch import Y
+from mecano.constraints.wheels import slow
 from mecano.elements.wheels.string_law import (
     CORNERING_STIFFNESS,
     NO_PACE,
@@ -63,7 +65,7 @@ from mecano.maths.vector import Vec3, add_vec, dot, mat, vec
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive, requirement
 
 ABOUT_N = Vec3(0.0, 1.0, 0.0)
-LEAST_FORWARD = 0.1  # [m/s] speed of the axle from which on psi has turned over
+LEAST_FORWARD = 0.1  # [m/s] speed of the axle from which on psi has turned over; of small wheels less
 SINGULAR = 1e-12  # relative to the magnitudes of its rows, a determinant below this counts as zero
 FOUR = requirement(lambda numbers: len(numbers) == 4, "must hold 4 numbers")  # a 2 x 2 matrix, or coefficients
 MATRICES = mapping(
@@ -145,7 +147,8 @@ def lateral_law(p, at, N, course):
     b, lays = p.aligning, 1.0 if p.pace == OF_STRING else 0.0
     rates = Vec3(v[0] + lays * (course.rolled - v[0]), v[1], v[2])
     still, moved = mat(p.A0) @ q, mat(p.A1) @ rates + course.turning * vec(p.turning, 0)
-    change = p.reverses * (forward * sticking(LEAST_FORWARD, abs(forward)) - 1.0)  # 0 forward, -2 in reverse
+    ahead = forward * sticking(slow(p.radius, LEAST_FORWARD), abs(forward))
+    change = p.reverses * (ahead - 1.0)  # 0 forward, -2 in reverse
     still = still + change * p.A0[1, 0] * q[0] * ABOUT_N
     moved = moved + change * p.A1[1, 0] * rates[0] * ABOUT_N
     damped = d * dot(v, mat(p.damped) @ v)

@@ -12,7 +12,7 @@ import numpy as np
 from mecano.constraints.ground import end_conditions
 from mecano.constraints.torus import torus_contact
 from mecano.constraints.tread import flat, flat_on_ground, rounded, rounded_on_ground
-from mecano.constraints.wheels import Wheel
+from mecano.constraints.wheels import Wheel, slow
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.enveloping import contact_with, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
@@ -46,7 +46,7 @@ OUTPUTS = (
     Output("slip_angle", "rad", "arc tangent of slip velocity along l over the speed of the axle"),
 )  # fmt: skip
 FIRST = 18  # index of the first value of these outputs, after those of tire_wheel.py
-SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced
+SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced; of small wheels less
 
 
 class Rolling(NamedTuple):
@@ -183,7 +183,8 @@ def put_rolling(p, at, k, ground, y, e):
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
         e[3] = ground.given + dot(ground.F, k.surface.v) + dot(M, k.surface.omega) + k.slip.N * k.rise
         forward = dot(t, k.slip.u)
-        V = sqrt(forward * forward + SLOW * SLOW)
+        least = slow(p.radius, SLOW)
+        V = sqrt(forward * forward + least * least)
         y[FIRST + 3] = -dot(t, k.slip.v_0) / V
         y[FIRST + 4] = atan2(dot(l, k.slip.v_0), V)
     return pushes

@@ -11,7 +11,8 @@ the carcass, with the stiffnesses K of the tyre law and a small damping:
 
     F.t = K_t (x + b_t (dx/dt)/V),   F.l = K_l (y + b_l (dy/dt)/V),   V = sqrt(V_x^2 + v_0^2)
 
-with the velocity V_x of the axle along t; v_0 is 1 m/s here, whatever the 'least_speed' of the law.
+with the velocity V_x of the axle along t; v_0 is 1 m/s here, whatever the 'least_speed' of the law, and for a
+radius r < 0.1 m it is r per 0.1 s.
 Linearized with a slip stiffness C, the relaxation length is sigma = C/K + b. If the whole contact slides, or the force
 falls with the slip, the deflection settles over the distance b; without b, its rate would not be unique. The wheel
 loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, for any variation of
@@ -30,6 +31,7 @@ In the phase "air" all deflections decay in 1 ms.
 import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
+from mecano.constraints.wheels import slow
 from mecano.element_interface import Output, named
 from mecano.elements.wheels.crown import with_crown
 from mecano.elements.wheels.enveloping import with_enveloping
@@ -93,7 +95,8 @@ def untwisted(at, k):
 def decay(p, at, slip):
     """Return b/V [s] along t and l, in which the carcass settles under a constant force; in the air DECAY."""
     forward = dot(slip.t, slip.u)
-    V, air = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED), at.phase == AIR
+    least = slow(p.radius, LEAST_SPEED)
+    V, air = sqrt(forward * forward + least * least), at.phase == AIR
     return select(air, DECAY, p.carcass_b[0] / V), select(air, DECAY, p.carcass_b[1] / V)
 
 
