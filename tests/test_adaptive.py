@@ -297,3 +297,22 @@ def test_the_least_step_is_said_to_be_lost_in_rounding():
     tight = "time.adaptive={tolerance: 1.0e-12, minimum_step: 1.0e-6}"
     with pytest.raises(ConvergenceError, match="(?s)less than the rounding of positions.*try: a larger.*method: radau"):
         RecordedRun(input_deck("four_bar", "time.end=0.05", tight))
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_a_motion_that_grows_without_bound_ends_the_run(method):
+    """Positive feedback: its steps would become ever shorter, and fill the disk with their history."""
+    checked = deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{m: {{position: [0, 0, 0]}}}}
+        elements: {{m: {{type: point_mass, node: m, mass: 1}}}}
+        joints: {{rail: {{type: prismatic, nodes: [ground, m], axis: [1, 0, 0]}}}}
+        signals: {{push: 100*rail.displacement}}
+        loads: {{motor: {{type: joint_force, joint: rail, value: push}}}}
+        initial: {{velocities: [{{nodes: [m], velocity: [0.01, 0, 0]}}]}}
+        time: {{end: 100, step: 1 ms, method: {method}, adaptive: {{tolerance: 1.0e-3, length_scale: 1}}}}
+    """)
+    message = r"(?s)t = [23]\.\d+ s the motion has grown to .* length scales, and still grows.*is a gain, a stiffness"
+    with pytest.raises(ConvergenceError, match=message):
+        RecordedRun(checked)

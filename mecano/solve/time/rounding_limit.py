@@ -6,7 +6,8 @@ least 1), and the accelerations of a step of size h to :math:`u L r/(\beta h^2)`
 falls with h. If that share is less, trials are rejected or accepted by chance, and the step size falls without bound.
 
 The error of a smooth motion, such as that of a spinning top, may be far below u r. A tolerance is therefore too tight
-only if many trials are rejected, too.
+only if many trials are rejected, too, or if the motion has grown out of all bounds, as in an unstable control loop:
+with constant errors its steps would become ever shorter.
 """
 
 from typing import TYPE_CHECKING
@@ -33,9 +34,11 @@ class RoundingLimit:
     def __init__(self, control: "StepControl", method: "Method"):
         self.control, self.method = control, method
         self._begun: tuple[int, int] | None = None  # accepted and rejected steps when rounding began to matter
+        nodes = [np.abs(node.x).max() / method.length for node in method.system.nodes]
+        self._most = FAR * max(nodes, default=1.0)  # reach of a motion that grows without bound
 
     def refuse(self, run: "RunState", cuts: int) -> None:
-        """Raise ConvergenceError if the last trials were rejected because of rounding.
+        """Raise ConvergenceError if the last trials were rejected because of rounding, or the motion left all bounds.
 
         ``cuts`` is the number of trials in the run that were rejected for other reasons.
         """
@@ -43,6 +46,9 @@ class RoundingLimit:
         if not below_rounding(self.control.allowed(run.h), run.motion, self.method):
             self._begun = None
             return
+        reach = reach_of(run.motion.z, self.method.system.numbering, self.method.length)
+        if reach > max(self._most, FAR):
+            raise self._runaway(run, reach)
         begun = self._begun = self._begun or here
         steps, rejected = here[0] - begun[0], here[1] - begun[1]
         if steps + rejected < TRIALS:
@@ -50,6 +56,14 @@ class RoundingLimit:
         if rejected >= REJECTED * (steps + rejected):
             raise self._too_tight(run, rejected, steps + rejected)
         self._begun = here
+
+    def _runaway(self, run, reach):
+        """Return the error of a motion that grows without bound."""
+        return ConvergenceError(
+            f"at t = {run.motion.t:.9g} s the motion has grown to {reach:.2g} length scales, and still grows: steps "
+            f"for a tolerance of {self.control.tolerance:.3g} length scales have become as short as {run.h:.3g} s\n"
+            "what to try: look at the motion so far (`mecano post`); is a gain, a stiffness or a sign wrong?"
+        )
 
     def _too_tight(self, run, rejected, trials):
         """Return the error of a tolerance for which ``rejected`` of the last ``trials`` were rejected."""
