@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 from deck_samples import VALID, problems_of, read_fake
-from time_runs import INPUTS
+from time_runs import INPUTS, input_deck
 
 from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import _unit_in_use, units_in
@@ -13,7 +13,7 @@ from mecano.deck.read import deck_of_bytes
 from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed, written_in_si
 from mecano.errors import DeckError
 from mecano.laws.roads import PER_ARGUMENT
-from mecano.laws.term import SLOPE, VALUE
+from mecano.laws.term import DENSITY, SLOPE, VALUE
 
 EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
     ("25 mm", "m", 0.025), ("25mm", "m", 0.025), ("-3.5e2 cm", "m", -3.5), ("1 in", "m", 0.0254),
@@ -365,3 +365,18 @@ def test_powers_of_ten_are_exact(text, value):
 @pytest.mark.parametrize("unit", ["Gm^9 Gm^9 Gm^9 Gm^9", "1/Gm^9/Gm^9/Gm^9/Gm^9"])
 def test_units_beyond_the_range_of_numbers_are_refused_or_infinite(unit):
     assert parsed(unit)[0] in (0.0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("value", "argument", "unit"),
+    [("m", "m", "m3"), ("N", "s", "N2 s"), ("m/s2", "s", "m2 s/s4"), ("N m", "s", "N2 m2 s"), ("m3", "s", "m6 s")],
+)
+def test_the_unit_of_the_density_of_a_random_road(value, argument, unit):
+    assert _unit_in_use(DENSITY, value, argument) == unit and parsed(unit)
+
+
+def test_a_density_in_another_unit_is_refused():
+    with pytest.raises(DeckError) as error:
+        input_deck("trailing_wheel_bump", "parameters.rough=64e-6 m2")
+    assert "a volume [m3] is expected" in error.value.problems[0].message
+    assert input_deck("trailing_wheel_bump", "parameters.rough=64 cm3").warnings == ()

@@ -95,7 +95,11 @@ def test_words_go_into_templates_and_repeats_that_do_not_have_the_name():
         (
             "mass: 2,",
             "mass: 2, spare: word,",
-            ["test.yaml:3:", "parameter 'spare': must be a number, got the text 'word'"],
+            [
+                "test.yaml:3:",
+                "parameter 'spare': must be a number, got the text 'word'",
+                "no name here contains $spare",
+            ],
         ),
         ("mass: 2,", "mass: 2, other: 3*$side,", ["test.yaml:3:", "parameter 'side' is the word 'left', not a number"]),
     ],

@@ -14,7 +14,7 @@ from mecano.deck.formulas import check_continuous, check_formulas, condition, dr
 from mecano.deck.key_synonyms import keys_meant
 from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
-from mecano.deck.parameters import Parameters
+from mecano.deck.parameters import Parameters, is_word
 from mecano.deck.physics import check_model
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Invalid, Scope
@@ -46,7 +46,11 @@ def parameter(node: "Node", field: Field, scope: Scope) -> float | Invalid:
     assert scope.owner is not None, "the key of the parameter"
     name = scope.owner.value
     with scope.parameters.working_on(name):
-        value = values.number(node, replace(field, unit=ANY), scope)
+        if is_word(node) and node.value.isidentifier():
+            hint = f"a word is a name or a part of one, such as axle_${name}, and no name here contains ${name}"
+            value: float | Invalid = scope.refuse_value(node, field, hint=hint)
+        else:
+            value = values.number(node, replace(field, unit=ANY), scope)
     scope.parameters.values[name] = None if value is INVALID else value
     return value
 

@@ -10,7 +10,7 @@ from mecano.deck.scope import INVALID, Invalid, Reference, Scope, place_of
 from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
-from mecano.laws.term import ARGUMENT, VALUE, Term
+from mecano.laws.term import ARGUMENT, DENSITY, VALUE, Term
 from mecano.schema import NUMBER, TIME_CURVE, Field, Type, Values
 
 Law: TypeAlias = tuple[tuple[str, Values], ...]  # its terms, each with the values of its fields
@@ -24,6 +24,7 @@ MEANT = {  # terms by other names
     "force": "preload", "pulse": "bump", "spline": "table",
 }  # fmt: skip
 CURVES = {"spring": "a force in proportion to it is {linear: {slope: ...}}"}  # hints where a curve is required
+SQUARED = r"([A-Za-z%]+)(\d*)"  # a factor of a unit, and its power
 POINT_NUMBER = r"\bpoint (\d+)\b"  # number of the faulty point in the text of a check
 
 
@@ -134,9 +135,25 @@ def units_in(use: Field) -> tuple[str, str]:
 
 def _unit_in_use(unit, value, argument):
     """Return the unit of a field of a term for the units of value and argument in a use, "" where unknown."""
+    if unit == DENSITY and value and argument:
+        return _of_density(value, argument)
     if value in FORCES.values() and " or " in unit:
         return unit.split(" or ")[list(FORCES.values()).index(value)]
     return ", ".join(_with(part, value, argument) for part in unit.split(", "))
+
+
+def _of_density(value, argument):
+    """Return VALUE^2 ARGUMENT as a unit."""
+    if value == argument and value.isalpha():
+        return f"{value}3"
+    over, *under = value.split("/")
+    tops, bottoms = ([re.sub(SQUARED, _squared, one) for one in part] for part in (over.split(" "), under))
+    return "/".join([" ".join([top for top in tops if top != "-"] + [argument]), *bottoms])
+
+
+def _squared(unit):
+    """Return a matched unit with twice its power."""
+    return f"{unit[1]}{2 * int(unit[2] or 1)}"
 
 
 def _with(unit, value, argument):

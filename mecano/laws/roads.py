@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, along
+from mecano.laws.term import ARGUMENT, DENSITY, MOST_SHOWN, OF_A_WAVE, VALUE, Term, along
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive, requirement
 
 
@@ -123,7 +123,7 @@ RANDOM = Term(
     role="curve",
     fields=(
         Field(
-            "density", NUMBER, "(unit of the value)^2 unit of the argument", "one-sided density at 'reference'",
+            "density", NUMBER, DENSITY, "one-sided density at 'reference'",
             check=not_negative,
         ),
         Field("reference", NUMBER, PER_ARGUMENT, "frequency at which the density is given, in waves", 0.1, positive),

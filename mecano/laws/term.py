@@ -10,6 +10,7 @@ ARGUMENT = "unit of the argument"
 VALUE = "unit of the value"
 SLOPE = "unit of the value / unit of the argument"
 OF_A_POWER = "unit of the value / unit of the argument^p"
+DENSITY = "(unit of the value)^2 unit of the argument"
 
 OF_A_WAVE = 32  # arguments per wave or edge that resolve its shape: second derivatives within 0.5 %
 MOST_SHOWN = 100_000  # maximum number of arguments that resolve an unbounded term, starting from the lowest
