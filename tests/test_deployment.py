@@ -54,6 +54,16 @@ def test_margin_is_torque_over_weight(panel):
     assert margin.curves[0].y.unit == "-"
 
 
+@pytest.mark.parametrize("every", ["1e-2", "2e-2"])
+def test_margin_over_a_small_weight_between_rare_saved_times(every, tmp_path):
+    """2 (pi/2 - angle) N m of the spring against 0.01 cos(angle) N m: quadrature of second order is off by 25 %."""
+    run(input_deck("panel_lock", "gravity=[0, -0.02, 0]", f"output.every={every}"), tmp_path / "panel.h5")
+    _, margin = deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels
+    (curve,) = margin.curves
+    angle, found = curve.x.values[5:-10], curve.y.values[5:-10]  # to 1.2 rad: beyond 1.25 it is less than 1/1000
+    np.testing.assert_allclose(found, 200.0 * (np.pi / 2.0 - angle) / np.cos(angle), rtol=0.06)
+
+
 def test_the_summary_lists_no_instants_of_releases(tmp_path):
     """Which are formulas like those of signals, and have names."""
     run(input_deck("release", "time.end=0.01"), tmp_path / "release.h5")
