@@ -98,6 +98,7 @@ def test_anti_skid_holds_the_slip_and_a_stopped_wheel():
         ("wheel: tire, adhesion: 0.5", {"axis": "[0, 1, 0.1]"}, "'axis' is not parallel"),
         ("bound: 100", {"nodes": "[hub]"}, "'nodes' must be a list of 2 node names"),
         ("wheel: tire, anti_skid: {slip: 1.5}", {}, "must lie between 0 and 1"),
+        ("bound: 100", {"torque": "-9"}, "'torque' must not be negative: a brake opposes every rotation"),
     ],
 )
 def test_what_a_deck_may_not_ask_of_a_brake(bound, more, text):

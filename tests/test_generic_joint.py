@@ -47,6 +47,8 @@ def test_an_axis_is_given_once():
     """Free and driven exclude one another; six free axes are no joint."""
     with pytest.raises(DeckError, match="'along_1' is given in 'free' and 'driven'; only one of them is allowed"):
         input_deck("shaker_table", "joints.table.free=[along_1]")
+    with pytest.raises(DeckError, match="'about_1' is given twice in 'free'"):
+        input_deck("shaker_table", "joints.table.free=[about_1, about_1]")
     free = "[along_1, along_2, along_axis, about_1, about_2, about_axis]"
     with pytest.raises(DeckError, match="nothing would join the nodes"):
         input_deck(

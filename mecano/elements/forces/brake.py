@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import law_of, on_demand
+from mecano.constraints.along_coordinate.demand import is_formula, law_of, on_demand
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.constraints.triads import carried_axis, unit
@@ -33,7 +33,7 @@ from mecano.elements.wheels.crown import crown_of
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
-from mecano.laws.law_table import curve
+from mecano.laws.law_table import curve, terms_of
 from mecano.maths.dual import at_least, at_most, constant, select, sqrt
 from mecano.maths.surface import directions
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
@@ -156,7 +156,10 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """Return errors for a bound without a wheel, and for a wheel that has no tyre or is not the braked one."""
+    """Return errors for a negative torque, a bound without a wheel, and a wheel without tyre or that is not braked."""
+    terms = [] if is_formula(d["torque"]) else terms_of(d["torque"])
+    if [name for name, _ in terms] == ["constant"] and terms[0][1]["value"] < 0.0:
+        return ["'torque' must not be negative: a brake opposes every rotation; for a motor use a 'couple'"]
     wheel, wanted = d["wheel"], [name for name in ("adhesion", "anti_skid") if d[name] is not None]
     if wheel is None:
         return [f"'{name}' needs 'wheel', the name of the wheel with the tyre" for name in wanted]

@@ -131,6 +131,7 @@ def check(d, nodes):
         twice = [name for name, axes in given.items() if axis in axes]
         if len(twice) > 1:
             texts.append(f"{axis!r} is given in {' and '.join(map(repr, twice))}; only one of them is allowed")
+    texts += [f"{axis!r} is given twice in 'free'" for axis in AXES if d["free"].count(axis) > 1]
     if set(AXES) <= given["free"]:
         texts.append("'free' has all six axes: nothing would join the nodes")
     return texts
