@@ -145,7 +145,7 @@ def commit(p, at, m_out):
     """Store the pair of this step, which replaces the last one if that is too close to the one before it."""
     count, u, instant = int(at.m[COUNT]), at.q[U], _instant(p.time, at.t)
     jumps = count > 0 and at.t - _time(at.m, 0) <= instant
-    arrival = at.m[ARRIVAL]
+    arrival = at.m[ARRIVAL] if count > 0 else NEVER
     if not (jumps and abs(u - _value(at.m, 0)) <= UNCHANGED * abs(u)):
         _keep(p, at, m_out, count, jumps, instant)
         if jumps and arrival == NEVER:
