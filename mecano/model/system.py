@@ -369,6 +369,16 @@ class System:
         """Return the next times [s] at which steps must end that follow from the ``memory``, or such far off."""
         return memory[self.places_of_arrivals].tolist() if self.places_of_arrivals.size else []
 
+    @cached_property
+    def places_of_past(self) -> np.ndarray:
+        """Places in the memory of a state that hold earlier inputs of signals."""
+        found = [
+            np.arange(b.first_memory, b.first_memory + len(b.p) * len(b.kind.memory))
+            for b in self.batches
+            if b.kind.reads_past
+        ]
+        return np.concatenate([np.zeros(0, int), *found])
+
     def _committed(self, s, chosen):
         memory = s.memory.copy()
         self._driver(assembly_driver.commit, loops.commit, chosen)(self._record_of_tables, s, memory)

@@ -87,7 +87,7 @@ class Statics:
         self._T = np.tile(np.eye(3), (3 * len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
         self._angles = _prescribed_angles(system)
-        self._past = np.zeros(0, int) if past else _of_the_past(system)
+        self._past = np.zeros(0, int) if past else system.places_of_past
 
     def scales(self, s: "State") -> tuple[float, float]:
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
@@ -303,16 +303,6 @@ class Statics:
         """Remove earlier inputs of signals from ``s`` in place, unless the path has a past, and return it."""
         s.memory[self._past] = 0.0
         return s
-
-
-def _of_the_past(system):
-    """Return the indices of the memory that holds earlier inputs of signals."""
-    found = [
-        np.arange(b.first_memory, b.first_memory + len(b.p) * len(b.kind.memory))
-        for b in system.batches
-        if b.kind.reads_past
-    ]
-    return np.concatenate([np.zeros(0, int), *found])
 
 
 def _prescribed_angles(system):

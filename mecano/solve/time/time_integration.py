@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.radau_steps import RadauSteps
     from mecano.solve.time.step_info import StepInfo, Trial
 
+MOST_SETTLING = 10  # of phases at the start that follow from one another
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_CUTS = 500  # while time advances by less than the largest step: then the run crawls
@@ -108,13 +109,26 @@ class TimeIntegrator:
         Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
         separate are open, even if rounding makes them overlap. Conditions are judged with these reactions and phases.
         """
-        s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        settled, due = self.monitor.settle(s, self._touching), []
+        settled, due = self._settled(s), []
         if self.monitor.due(settled).any():
             settled, due = self._judged(settled, h)
         run, self.start_events = self._begun(settled, h)
         self.start_events += due
         return run
+
+    def _settled(self, begin):
+        """Return the state at the start with its phases; signals of the past begin with the values in these phases."""
+        system, past = self.system, self.system.places_of_past
+        s = replace(begin, memory=system.commit(solve_signals(system, begin.copy())))
+        for _ in range(MOST_SETTLING):
+            settled = self.monitor.settle(s, self._touching)
+            if not past.size or np.array_equal(settled.phases, s.phases):
+                break
+            memory = settled.memory.copy()
+            memory[past] = begin.memory[past]
+            memory[past] = system.commit(solve_signals(system, replace(settled, memory=memory).copy()))[past]
+            s = replace(settled, memory=memory)
+        return settled
 
     @property
     def _touching(self):
