@@ -5,7 +5,9 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.errors import DeckError
+from mecano.results.reader import open_results
 
 G = 9.81
 
@@ -49,6 +51,15 @@ def test_a_hinge_is_released_by_a_condition(verify, recorded):
 def test_energy_passes_a_release(recorded):
     drift = [np.ptp(m["energy/balance"]) for m in recorded]
     assert drift[0] / drift[1] == pytest.approx(4.0, abs=0.05) and drift[1] < 1.5e-4
+
+
+@pytest.mark.parametrize(("when", "said"), [("hinge.angle < 0.5", 1), ("hinge.angle > 1", 0)])
+def test_a_release_that_is_due_at_the_start_is_reported(when, said, tmp_path):
+    run(input_deck("release", f"joints.hinge.release={{when: {when}}}", "time.end=0.01"), tmp_path / "r.h5")
+    found = [text for text in open_results(tmp_path / "r.h5").warnings if "true at the start" in text]
+    assert len(found) == said
+    for text in found:
+        assert "release.yaml:45:3: hinge 'hinge': the condition of its release, hinge.angle < 0.5, is true" in text
 
 
 BAD = """

@@ -235,6 +235,7 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
     texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
         texts += changed_velocities(prepared.deck, prepared.system, prepared.state, start.motion, prepared.length)
+        texts += _released_at_start(prepared, start.motion.phases)
     if prepared.displacement > MOVED * prepared.length:
         texts.append(
             f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m, to the nearest that "
@@ -256,6 +257,14 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
     if prepared.deck.values["time"] and not mass_of(prepared.system):
         texts.append("nothing in the model has a mass: is this intended?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
+
+
+def _released_at_start(prepared, phases):
+    if not any(event.command for batch in prepared.system.batches for event in batch.kind.events):
+        return ()
+    from mecano.analyses.unmet_conditions import released_at_start  # few models have commands
+
+    return released_at_start(prepared.deck, prepared.system, phases)
 
 
 def warnings_of(prepared: Prepared) -> list[str]:

@@ -1,9 +1,10 @@
-"""Warnings of a completed run about releases, activations and grips whose condition did not become true."""
+"""Warnings about conditions of releases, activations and grips that never became true, or were true from the start."""
 
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from mecano.element_interface import RELEASES
 from mecano.errors import name_list
 from mecano.model.model import title_of
 
@@ -38,6 +39,21 @@ def unmet_condition_warnings(
     found.update(dict.fromkeys(_never_gripped(deck, sampler, extremes)))
     if found:
         yield f"conditions that did not become true: {name_list(list(found), MOST_CONDITIONS, '; ')}"
+
+
+def released_at_start(deck: "Deck", system: "System", phases: "np.ndarray") -> Iterator[str]:
+    """Yield a warning, with its line, for each element whose release is due in the ``phases`` at the start.
+
+    It may have become true in an earlier run that this one continues.
+    """
+    for batch in system.batches if not deck.values["initial"]["from"] else ():
+        after = {event.after for event in batch.kind.events if event.name == RELEASES and event.command}
+        for (path, _), phase in zip(batch.paths, phases[batch.phases], strict=True):
+            section, _, name = path.partition("/")
+            if batch.kind.phases[phase] in after and (when := deck.values[section][name]["release"]["when"]):
+                title = title_of(deck.values[section][name]["type"], name)
+                text = f"the condition of its release, {when}, is true at the start, so that it never acts"
+                yield f"{deck.mark(section, name)}: {title}: {text}"
 
 
 def _unmet(deck, batch, phases):
