@@ -369,6 +369,24 @@ def test_copies_that_are_strained_are_counted():
     assert "spring_damper 'coil1' is strained by 900 %" in said and said.endswith("(and 19 more copies of it)")
 
 
+def test_copies_of_a_node_without_mass_are_counted():
+    """Seats of springs that no body carries, in a template that is placed on the left and on the right."""
+    text = """
+    mecano: 1
+    gravity: none
+    templates:
+      corner:
+        nodes: {seat: {position: [0, 0, 1]}, hub: {position: [0, 0, 0]}}
+        elements:
+          hub: {type: point_mass, node: hub, mass: 1}
+          spring: {type: spring_damper, nodes: [seat, hub], law: {spring: 9}}
+    place: {$side: {repeat: [{side: left, y: 1}, {side: right, y: -1}], template: corner, position: [0, $y, 0]}}
+    time: {end: 1, step: 0.01}
+    """
+    (said,) = warned(text)
+    assert "node left_seat: nothing gives mass" in said and said.endswith("(and 1 more copy of it)")
+
+
 DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]
 
 

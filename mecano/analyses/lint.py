@@ -1,5 +1,6 @@
 """Detect legal but suspicious input in the assembled model: massless nodes, strains, states at the start."""
 
+import re
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 WIDE = 20.0  # sizes of the model: a ship whose deck carries a wheel has 10, and kg mm2 for kg m2 give 300 and more
 PAID_OUT = 2.0  # factor by which a natural length may change before its constant mass is reported
 MOST_NAMED = 10  # warnings of one type
+NAMES_AND_NUMBERS = re.compile(r"'[^']*'|\bnode [^:]*:|\d")  # in which the warnings about copies of one entry differ
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
 
@@ -36,10 +38,10 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     massless = _massless(deck, system, s, length)
     size = extent(system.nodes)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system), *_wide(deck, size), *_bearings(deck, size)]
-    firsts = [*_first(_without_copies(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
+    firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unit_warnings(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
-    paid_out = _first(_without_copies([*_paid_out(deck)]), "elements")
+    paid_out = _first([*_paid_out(deck)], "elements")
     return [*firsts, *_first(units, "formulas"), *placed, *turned, *paid_out]
 
 
@@ -69,7 +71,8 @@ def _unit_warnings(deck, model):
 
 
 def _first(problems, what):
-    """Return the first ``MOST_NAMED`` problems; the last of them gives the number of further ones."""
+    """Return the first ``MOST_NAMED`` problems without copies; the last of them gives the number of further ones."""
+    problems = _without_copies(problems)
     *shown, last = problems[:MOST_NAMED] or [None]
     more = len(problems) - MOST_NAMED
     if more > 0:
@@ -78,12 +81,15 @@ def _first(problems, what):
 
 
 def _without_copies(problems):
-    """Return the first problem at each place in the deck, with the number of the others there, which are of copies."""
-    places: dict[str, list[Problem]] = {}
+    """Return the first of the problems that are alike at each place in the deck, with the number of their copies."""
+    places: dict[tuple[str, str], list[Problem]] = {}
     for problem in problems:
-        places.setdefault(str(problem.mark), []).append(problem)
+        places.setdefault((str(problem.mark), NAMES_AND_NUMBERS.sub("", problem.message)), []).append(problem)
     others = [(first, len(alike)) for first, *alike in places.values()]
-    return [Problem(one.message + (f" (and {n} more copies of it)" if n else ""), one.mark) for one, n in others]
+    return [
+        Problem(one.message + (f" (and {n} more {'copy' if n == 1 else 'copies'} of it)" if n else ""), one.mark)
+        for one, n in others
+    ]
 
 
 def _strain_warnings(deck, system, s):
