@@ -176,6 +176,26 @@ def test_the_load_that_pushes_is_named(way, said):
     assert f"{said}: force 'headwind' 30 N; " in str(info.value)
 
 
+def test_loads_of_which_each_is_small_are_named_by_their_kind():
+    """Twelve carts on a slope of 2 %, each on a wheel: 12 m g sin(slope)."""
+    text = """
+    mecano: 1
+    gravity: [0.2, 0, -9.81]
+    nodes: {hub$i: {repeat: {i: 1..12}, position: [3*$i, 0, 0.4]}}
+    elements:
+      cart$i: {repeat: {i: 1..12}, type: rigid_body, node: hub$i, mass: 50, inertia: [1, 1, 1]}
+      tyre$i: {repeat: {i: 1..12}, type: wheel, node: hub$i, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints:
+      upright$i: {repeat: {i: 1..12}, type: planar, nodes: [ground, hub$i], axis: [0, 1, 0]}
+    tire_laws: {rubber: {radius: 0.4, radial: {linear: {slope: 400 kN/m}}, friction: 0.8, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [20, 0, 0]}}
+    time: {end: 1, step: 1 ms}
+    """
+    with pytest.raises(ConvergenceError, match="along the road some 120 N remain forward: 12 rigid_body 120 N; causes"):
+        operating_point(deck(text))
+
+
 @pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3])
 def test_drag_is_balanced_by_the_integrator_of_a_drive(unit):
     """The thrust is c spin/r, whatever the unit of the signal, whose 50 N are many length scales."""

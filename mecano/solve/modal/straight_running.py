@@ -169,7 +169,17 @@ class Straight:
 
 def _imbalance(left, shares, place, sides, remedy):
     """Return a sentence on a sum ``left`` [N] of residuals, and the elements with the largest ``shares`` in it."""
+    if all(share / left <= SHARE for share in shares.values()):
+        shares = _by_kind(shares)
     alike = sorted((name for name in shares if shares[name] * left > 0.0), key=lambda name: -abs(shares[name]))
     causes = [f"{name} {abs(shares[name]):.3g} N" for name in alike if abs(shares[name]) > SHARE * abs(left)]
     named, side = name_list(causes, MOST_NAMES), sides[left < 0.0]
     return f"\n{place} the road some {abs(left):.3g} N remain {side}: {named}; {remedy}"
+
+
+def _by_kind(shares):
+    """Return the sums of the ``shares`` of all elements of a kind, such as "80 wheel", of which each is small."""
+    kinds: dict[str, list[float]] = {}
+    for name, share in shares.items():
+        kinds.setdefault(name.partition(" ")[0], []).append(share)
+    return {f"{len(alike)} {kind}": sum(alike) for kind, alike in kinds.items()}
