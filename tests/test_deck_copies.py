@@ -86,6 +86,24 @@ def test_repeat_of_lists_and_rows():
     assert values["elements"]["b_5"]["node"] == "p1"
 
 
+def test_nodes_of_a_meshed_beam_have_inserts_after_a_dot():
+    """The template adds its own name before."""
+    text = """
+    mecano: 1
+    gravity: none
+    sections: {tube: {type: tube, diameter: 40 mm, thickness: 1 mm, E: 70 GPa, nu: 0.3, density: 2700}}
+    templates:
+      mast:
+        nodes: {foot: {position: [0, 0, 0], fixed: true}, top: {position: [0, 0, 4]}}
+        elements: {pole: {type: beam, nodes: [foot, top], section: tube, mesh: 4}}
+        loads: {wind$k: {repeat: {k: 1..3}, type: drag, node: pole.$k, area: 0.1, coefficient: 1.2}}
+    place: {m: {template: mast}}
+    time: {end: 1, step: 0.01}
+    """
+    values = deck_of_bytes(dedent(text).encode(), "test.yaml").values
+    assert [d["node"] for d in values["loads"].values()] == ["m_pole.1", "m_pole.2", "m_pole.3"]
+
+
 def test_overrides_reach_parameters_and_single_copies():
     values = read_fake(CHAIN, overrides=["parameters.count=5", "elements.mass4.mass=50"]).values
     assert len(values["nodes"]) == 6 and values["elements"]["mass4"]["mass"] == 50.0
