@@ -41,10 +41,7 @@ NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 LINE = Type("nodes", "the name of a member, or a list of names of nodes and members", (None, "members"))
 """Nodes from one end of a line to the other; a member, such as a beam with a mesh, stands for all of its nodes."""
-NODE_SET = Type(
-    "nodes", "a list of names of nodes and members", LINE.options,
-    schema={"type": "array", "items": {"type": "string"}},
-)  # fmt: skip
+NODE_SET = Type("nodes", "a list of names of nodes and members", LINE.options)
 """Nodes in any order; a member stands for all of its nodes."""
 NUMBERS = Type("numbers", "a list of numbers")
 COEFFICIENT_LIST = Type("coefficients", "a list of numbers")  # of ascending powers, with consistent units

@@ -104,6 +104,69 @@ def test_nodes_of_a_meshed_beam_have_inserts_after_a_dot():
     assert [d["node"] for d in values["loads"].values()] == ["m_pole.1", "m_pole.2", "m_pole.3"]
 
 
+LISTS = """
+mecano: 1
+gravity: none
+parameters: {last: 3}
+nodes:
+  hull: {position: [0, 0, 1]}
+  p$i: {repeat: {i: 1..$last}, position: [$i, 0, 1]}
+  q$i: {repeat: {i: 1..$last}, position: [$i, 0, 0]}
+elements:
+  hull: {type: rigid_body, node: hull, mass: 1, inertia: [1, 1, 1], attached: [{repeat: {i: 1..$last}, items: [p$i]}]}
+  bob$i: {repeat: {i: 1..$last}, type: rigid_body, node: q$i, mass: 1, inertia: [1, 1, 1]}
+  rope$k:
+    repeat: {k: 1..2}
+    type: reeved_cable
+    nodes: [hull, {repeat: {i: 2..$last}, items: [q$i, p$(i - k + 1)]}, q1]
+    radii: [0, {repeat: {i: 2..$last}, items: [-0.1*$k, 0.1*$i]}, 0]
+    axis: [0, 1, 0]
+    axial_stiffness: 1000
+initial:
+  velocities:
+    - {nodes: [hull, {repeat: {i: 1..$last}, items: [p$i]}], velocity: [1, 0, 0]}
+    - repeat: {i: 1..$last}
+      items: [{nodes: [q$i], velocity: [1, 0, 0.5*$i]}]
+time: {end: 0.1, step: 0.01}
+"""
+
+
+def test_repeat_in_lists():
+    """Of names, numbers and mappings; in an entry with a repeat of its own; outside the sections of names."""
+    values = deck_of_bytes(LISTS.encode(), "deck.yaml").values
+    assert values["elements"]["hull"]["attached"] == ["p1", "p2", "p3"]
+    ropes = [values["elements"][name] for name in ("rope1", "rope2")]
+    assert [rope["nodes"] for rope in ropes] == [
+        ["hull", "q2", "p2", "q3", "p3", "q1"],
+        ["hull", "q2", "p1", "q3", "p2", "q1"],
+    ]
+    assert [rope["radii"] for rope in ropes] == [[0, -0.1, 0.2, -0.1, 0.1 * 3, 0], [0, -0.2, 0.2, -0.2, 0.1 * 3, 0]]
+    moving = values["initial"]["velocities"]
+    assert [one["nodes"] for one in moving] == [["hull", "p1", "p2", "p3"], ["q1"], ["q2"], ["q3"]]
+    assert [one["velocity"][2] for one in moving] == [0.0, 0.5, 1.0, 1.5]
+    none = deck_of_bytes(
+        LISTS.replace("attached: [{repeat: {i: 1..$last}", "attached: [{repeat: {i: 1..0}").encode(), "a"
+    )
+    assert none.values["elements"]["hull"]["attached"] == []
+
+
+@pytest.mark.parametrize(
+    ("repeat", "items", "expected"),
+    [
+        ("{i: 1..$last}", "item: [p$i]", "10:80: element 'hull': in a list, 'repeat' comes with a list of 'items'"),
+        ("{i: 1..$last}", "items: p$i", "10:80: element 'hull': in a list, 'repeat' comes with a list of 'items'"),
+        ("{i: 1..$last}", "items: [p$j]", "10:113: element 'hull': unknown parameter 'j'"),
+        ("{i: 1..$last}", "items: [r$i]", "10:112: rigid_body 'hull': unknown node 'r1'"),
+        ("{i: 1..9.5}", "items: [p$i]", "10:93: element 'hull': a range is of whole numbers, and '9.5' is 9.5"),
+    ],
+)
+def test_wrong_repeats_in_lists(repeat, items, expected):
+    text = LISTS.replace("{repeat: {i: 1..$last}, items: [p$i]}]}", f"{{repeat: {repeat}, {items}}}]}}", 1)
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(text.encode(), "deck.yaml")
+    assert str(info.value).startswith(f"deck.yaml:{expected}")
+
+
 def test_overrides_reach_parameters_and_single_copies():
     values = read_fake(CHAIN, overrides=["parameters.count=5", "elements.mass4.mass=50"]).values
     assert len(values["nodes"]) == 6 and values["elements"]["mass4"]["mass"] == 50.0

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from test_deck_copies import CHAIN, LEG
+from test_deck_copies import CHAIN, LEG, LISTS
 
 from mecano.deck.compose import compose
 from mecano.deck.json_schema import deck_schema
@@ -91,6 +91,13 @@ def test_copies_fit(validator):
     chain = re.sub(r"type: body", "type: point_mass", CHAIN).replace("type: spring,", "type: spring_damper,")
     assert errors(validator, chain) == []
     assert errors(validator, chain.replace("{repeat: {i: 0..$count}, type", "{repeat: 5, type"))
+
+
+def test_lists_with_repeats_fit(validator):
+    """Of names, numbers and mappings; where the number of items is given, nothing is repeated."""
+    assert errors(validator, LISTS) == []
+    assert errors(validator, LISTS.replace("items: [p$i]", "item: [p$i]", 1))
+    assert errors(validator, LISTS.replace("axis: [0, 1, 0]", "axis: [{repeat: {i: 0..2}, items: [$i]}]"))
 
 
 def test_editors_know_everything():

@@ -5,6 +5,8 @@ Any entry of a section of names may have ``repeat``; its values are inserted int
     nodes:
       p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}
 
+So may an item of a list in an entry: ``[first, {repeat: {i: 1..6}, items: [a$i, b$i]}, last]``.
+
 A template is a small deck with parameters of its own; ``place`` puts copies of it into the deck. Entries that refer to
 a parameter that is a word are copied once, with the word in its place.
 """
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
     from mecano.deck.source import Source
 
 Entries: TypeAlias = dict[str, Pair]  # of a section, by name
+HOW_IN_A_LIST = "write [first, {repeat: {i: 1..6}, items: [a$i, b$i]}, last]"
 MOST_VALUES = 400_000
 MOST_PLACED = 10_000
 
@@ -77,7 +80,7 @@ class Copies:
         value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
         for name in [name for name in value if name not in self.fields and name != "parameters"]:
             key, node = value[name]
-            if self._has_word(node):
+            if self._has_word(node) or repeats_items(node):
                 value[name] = (key, self.copy(node, self.deck))
         for section, entries in self.sections(root, self.deck).items():
             if entries or section in value:
@@ -112,13 +115,13 @@ class Copies:
             self.scope.refuse(given[1], f"{quoted(section)} must be a mapping of names")
             return found
         for name, (key, node) in given[1].value.items():
-            repeated = type(node.value) is dict and "repeat" in node.value
+            repeated = is_repeated(node)
             plain = level is self.deck and not repeated and section != "place"
-            if plain and not (self._has_word(key) or self._has_word(node)):
+            if plain and not (self._has_word(key) or self._has_word(node) or repeats_items(node)):
                 found[name] = (key, node)
                 continue
             with self._about(f"{singular(section)} {quoted(name)}", level.parameters):
-                for parameters in self._rows(key, node, level) if repeated else [level.parameters]:
+                for parameters in self._rows(key, node, level, level.parameters) if repeated else [level.parameters]:
                     self.scope.parameters = parameters
                     self._copy_entry(key, _without_repeat(node) if repeated else node, level, found)
         return found
@@ -143,18 +146,18 @@ class Copies:
         else:
             self._add(found, copied.value, copied, entry)
 
-    def _rows(self, key, node, level):
-        """Return the Parameters of each copy of an entry."""
+    def _rows(self, key, node, level, outer):
+        """Return the Parameters of each copy of an entry or of the items of a list, within the ``outer`` ones."""
         values = rows(node.value["repeat"][1], self.scope, MOST_VALUES - self.count)
         if values is INVALID:
             self.without_value = key
             return []
-        if len(values) > 1 and "$" not in key.value:
+        if len(values) > 1 and key is not node and "$" not in key.value:
             how = f"put a value of 'repeat' into it, as in '{key.value}$({next(iter(values[0]))})'"
             self.scope.refuse(key, f"all copies would have the name {quoted(key.value)}", how)
             return []
         placed = [{name: self._at(value, level) for name, value in row.items()} for row in values]
-        return [Parameters(row, level.parameters) for row in placed]
+        return [Parameters(row, outer) for row in placed]
 
     def copy(self, node: Node, level: Level) -> Node:
         """Return the tree with the values of the current parameters in place of expressions and inserts."""
@@ -170,8 +173,22 @@ class Copies:
             if level.stack:
                 value = {name: (self._at(key, level), inner) for name, (key, inner) in value.items()}
         elif type(value) is list:
-            value = [self.copy(item, level) for item in value]
+            value = [copied for item in value for copied in self._items(item, level)]
         return Node(value, source, node.line, node.column, node.raw)
+
+    def _items(self, node, level):
+        """Return the copies of an item of a list: one, or for each value of its ``repeat`` those of its ``items``."""
+        if not is_repeated(node):
+            return [self.copy(node, level)]
+        if set(node.value) != {"repeat", "items"} or type(node.value["items"][1].value) is not list:
+            self.scope.refuse(node, "in a list, 'repeat' comes with a list of 'items'", HOW_IN_A_LIST)
+            return []
+        outer, copies = self.scope.parameters, []
+        for parameters in self._rows(node, node, level, outer):
+            self.scope.parameters = parameters
+            copies += [copied for item in node.value["items"][1].value for copied in self._items(item, level)]
+        self.scope.parameters = outer
+        return copies
 
     def _at(self, node, level):
         """Return a scalar with the place of the copy."""
@@ -279,6 +296,18 @@ def _words(root, parameters):
     from mecano.deck.words import words_of  # few decks need it
 
     return words_of(root, parameters)
+
+
+def is_repeated(node: Node) -> bool:
+    """Return whether an entry, or an item of a list, has a ``repeat``."""
+    return type(node.value) is dict and "repeat" in node.value
+
+
+def repeats_items(node: Node) -> bool:
+    """Return whether a list in an entry has an item with a ``repeat``."""
+    if type(node.value) is list:
+        return any(is_repeated(item) or repeats_items(item) for item in node.value)
+    return type(node.value) is dict and any(repeats_items(inner) for _, inner in node.value.values())
 
 
 def _without_repeat(node):

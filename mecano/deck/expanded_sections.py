@@ -8,7 +8,8 @@ SETTINGS = Type("settings", "a mapping of paths in the deck to values, as in --s
 TEMPLATE = Type("template", "a mapping of 'parameters' with their defaults, 'place', and sections of names")
 REPEAT = Field(
     "repeat", Type("repeat", "names with ranges or lists, or a list of rows"), "-",
-    "in any named entry: one copy for each value, inserted into its name: post$i, post$(i+1)", None,
+    "in any named entry: one copy for each value, inserted into its name: post$i, post$(i+1); in a list: copies of "
+    "'items'", None,
 )  # fmt: skip
 EXPANDED_SECTIONS = (
     Field(

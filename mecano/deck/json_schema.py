@@ -13,7 +13,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
-from mecano.schema import LINE, SECTION_OF, Field, not_negative, positive, share
+from mecano.schema import LINE, NODE_SET, NODES, SECTION_OF, Field, not_negative, positive, share
 
 EXPRESSION = r"^\s*=|\$|^[-+( ]*(\.?[0-9]|pi\b|[a-z0-9]+\()"  # in place of a number: an expression, or 25 mm
 WORD = r"^[A-Za-z_][A-Za-z0-9_]*$"  # of a parameter that is inserted into names
@@ -104,6 +104,15 @@ def _list(item, least=0, most=None):
     return {"type": "array", "items": item, "minItems": least, **({} if most is None else {"maxItems": most})}
 
 
+def _items(item):
+    """Return the schema of a list whose items may be repeated."""
+    return _list({"if": {"type": "object", "required": ["repeat"]}, "then": REPEATED_ITEMS, "else": item})
+
+
+def _nodes(type_):
+    return _items(TEXT) if type_ in (NODES, NODE_SET) else _list(TEXT, *(2 * type_.options))
+
+
 def mapping_schema(fields: Iterable[Field], doc: str = "", **more: Schema) -> Schema:
     """Return the schema of a mapping of ``fields``, and of ``more`` keys with schemas of their own."""
     properties = {field.name: _property(field) for field in fields}
@@ -179,11 +188,15 @@ def _template():
 
 
 ARRAY_OR_ROWS = {"anyOf": [NUMBER, _list(NUMBER)]}
+REPEATED_ITEMS = {
+    "type": "object", "description": "items for each value of a repeat", "required": ["repeat", "items"],
+    "properties": {"repeat": {"type": ["object", "array"]}, "items": {"type": "array"}}, "additionalProperties": False,
+}  # fmt: skip
 WRITTEN = {
     "number": NUMBER, "parameter": {"anyOf": [NUMBER, {"type": "string", "pattern": WORD}]},
     "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
-    "boolean": {"type": "boolean"}, "text": TEXT, "unit": TEXT, "numbers": _list(NUMBER), "coefficients": _list(NUMBER),
-    "vector": _list(NUMBER, 3, 3),
+    "boolean": {"type": "boolean"}, "text": TEXT, "unit": TEXT, "numbers": _items(NUMBER),
+    "coefficients": _list(NUMBER), "vector": _list(NUMBER, 3, 3),
     "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),
     "matrix_6": _list(ARRAY_OR_ROWS, 6, 6), "points": _list(_list(NUMBER, 2, 2)), "law": {"anyOf": [TEXT, LAW]},
     "drive": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "formula": {"type": ["string", "number"]}, "condition": TEXT,
@@ -195,10 +208,10 @@ WRITTEN = {
 }  # fmt: skip
 MADE = {
     "choice": lambda t: {"enum": list(t.options)},
-    "nodes": lambda t: {"anyOf": [TEXT, _list(TEXT)]} if t == LINE else _list(TEXT, *(2 * t.options)),
+    "nodes": lambda t: {"anyOf": [TEXT, _items(TEXT)]} if t == LINE else _nodes(t),
     "mapping": lambda t: mapping_schema(t.options),
     "named": _named,
-    "list": lambda t: _list(_of(t.options[0])),
+    "list": lambda t: (_items if t.options[0].name == "mapping" else _list)(_of(t.options[0])),
     "either": lambda t: {"anyOf": [_of(t.options[0]), {"enum": list(t.options[1])}]},
     "shorthand": _shorthand,
     "kind": _one_of_kinds,
