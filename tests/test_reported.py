@@ -175,6 +175,15 @@ time: {end: 1, step: 1 ms}
 """
 
 
+def test_what_a_moving_body_carries_is_not_listed():
+    """The end of an arm whose bearing turns by a velocity of the deck, unlike that of one which a drive turns."""
+    arm = SHAFT.replace(b"[3, 1, 0]", b"[0, 0, 1]")
+    drive = b"  drive: {type: prescribed_angle, nodes: [ground, bearing], axis: [0, 0, 1], value: 10*time}\n"
+    turning = b"initial: {velocities: [{nodes: [bearing], angular_velocity: [0, 0, 10], about: own}]}\n"
+    assert "at start" not in summary(deck_of_bytes(arm.replace(drive, b"") + turning, "arm.yaml"))
+    assert "at rest: node 'end' by 9.487 m/s; node 'bearing' by" in flowing(summary(deck_of_bytes(arm, "arm.yaml")))
+
+
 def test_rounding_is_not_listed_as_motion():
     """The end of a shaft stays on its axis, but for rounding: only its turning is motion."""
     said = flowing(summary(deck_of_bytes(SHAFT, "shaft.yaml")))

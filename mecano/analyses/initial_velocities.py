@@ -79,13 +79,17 @@ def _velocities(system, s):
 def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> str:
     """Describe the nodes, not named in ``initial.velocities``, that the constraints set in motion; "" if none.
 
-    Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives; one that
-    would move nothing by more than the rounding of positions until the end is at rest.
+    Nodes attached to a body whose node is named are not listed. Arguments as in ``changed_velocities``. A drive whose
+    rate is not zero at the start moves what it drives; one that would move nothing by more than the rounding of
+    positions until the end is at rest.
     """
     time = deck.values["time"]
     still = ROUNDING / (time["end"] - time["start"])  # 1/s
     of, named = system.numbering, requested_velocities(deck, system)[2]
-    quiet = np.array([node.internal for node in system.nodes])
+    moving = {node.name for node, given in zip(system.nodes, named, strict=True) if given}
+    bodies = [d for d in deck.values["elements"].values() if d.get("attached") and d["node"] in moving]
+    carried = {name for d in bodies for name in d["attached"]}
+    quiet = np.array([node.internal or node.name in carried for node in system.nodes])
     motions = [
         (first, np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0), unit)
         for first, before, now, unit in zip(
