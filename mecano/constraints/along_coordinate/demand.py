@@ -71,14 +71,14 @@ def check_alike(name, values):
     return []
 
 
-def by_law_and_signal(kind, functions, field, i, of_law=of_law, of_input=of_input):
+def by_law_and_signal(kind, functions, field, of_law=of_law, of_input=of_input):
     """Return the ``kind`` for a demand that is a function of time, and for a formula, its input named ``field``.
 
     ``functions(demand)`` are fields of the Kind that depend on the demand, a compiled function (p, at) -> its value:
-    {name: value}. ``i`` is the local index of the input, which follows the slots and the scalars; ``of_law`` and
-    ``of_input(i)`` are the demands of both.
+    {name: value}. ``of_law`` and ``of_input(i)`` are the demands of both, i the local index of the input.
     """
-    return replace(kind, **functions(of_law)), replace(kind, inputs=(field,), **functions(of_input(i)))
+    by_signal = replace(kind, inputs=(field,))
+    return replace(kind, **functions(of_law)), replace(by_signal, **functions(of_input(by_signal.place_of(field))))
 
 
 def on_demand(kind, functions, field, *demands):

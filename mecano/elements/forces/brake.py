@@ -261,5 +261,5 @@ BRAKE = on_demand(
         counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
         **named(prepare, check, sample),
     ),
-    _functions, "torque", 9,
+    _functions, "torque",
 )  # fmt: skip

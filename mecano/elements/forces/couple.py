@@ -53,5 +53,5 @@ COUPLE = on_demand(
         prepare=lambda d, nodes, context: {"law": law_of(d["value"], context), "axis": carried_axis(d, nodes)},
         counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
     ),
-    _functions, "value", 6,
+    _functions, "value",
 )  # fmt: skip

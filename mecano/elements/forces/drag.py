@@ -83,5 +83,5 @@ DRAG = on_demand(
         ),
         **named(prepare, check, sample),
     ),
-    _functions, "speed", 3,
+    _functions, "speed",
 )  # fmt: skip

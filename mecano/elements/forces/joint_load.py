@@ -58,7 +58,7 @@ def _load(name, what, coordinate, fields, prepare, check, sample=None):
         ),
         prepare=prepare, check=check, sample=sample,
     )  # fmt: skip
-    return on_demand(kind, partial(_functions, coordinate), "value", 3 * len(coordinate.layout))
+    return on_demand(kind, partial(_functions, coordinate), "value")
 
 
 def _along_joint(output):

@@ -65,7 +65,7 @@ def _share(name, layout, components):
         name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout,
         sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
     )  # fmt: skip
-    return by_law_and_signal(kind, functions, "value", 3 * len(layout))
+    return by_law_and_signal(kind, functions, "value")
 
 
 def _of_line(demand):
@@ -117,7 +117,7 @@ def _load(name, quantity, unit_of_load, dead, following):
         prepare=lambda d, nodes, context: {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)},
         **named(parts, sample),
     )  # fmt: skip
-    return on_demand(kind, _of_line, "value", 0)
+    return on_demand(kind, _of_line, "value")
 
 
 LINE_LOAD = _load(

@@ -93,7 +93,7 @@ def _load(quantity, unit_of_load, name, layout, directions, follows):
         ),
         prepare=prepare,
     )  # fmt: skip
-    return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
+    return on_demand(kind, partial(_functions, directions), "value")
 
 
 FORCE = _load("force", "N", "force", ("x0",), _dead_force, follows=False)

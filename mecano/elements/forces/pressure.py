@@ -23,7 +23,6 @@ from mecano.schema import DIRECTION, DRIVE, NUMBER, Field, positive
 
 RECORD = record(across_0=3, across_1=3, half_width=(), law="i")
 OF_LINE = record(width=(), law="i")
-LAYOUT = ("x0", "R0", "x1", "R1")
 LEAST_SINE = 0.1  # of the angle between a segment and 'across'
 
 
@@ -70,8 +69,8 @@ def _sample_segment(rng):
 
 SEGMENTS = by_law_and_signal(
     Kind(name="pressed_segment", doc="Pressure on one side of a segment between two nodes.", dtype=RECORD,
-         layout=LAYOUT, sample=_sample_segment),
-    _of_segment, "value", 3 * len(LAYOUT),
+         layout=("x0", "R0", "x1", "R1"), sample=_sample_segment),
+    _of_segment, "value",
 )  # fmt: skip
 
 
@@ -126,7 +125,5 @@ PRESSURE = on_demand(
         prepare=lambda d, nodes, context: {"width": d["width"], "law": law_of(d["value"], context)},
         **named(parts, check, sample),
     ),
-    _of_line,
-    "value",
-    0,
+    _of_line, "value",
 )  # fmt: skip

@@ -66,7 +66,6 @@ from mecano.laws.probe import curve_at
 from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
-INPUT = 6  # local index of a natural length that is a signal
 STRETCHED = 0.5  # strain
 
 
@@ -259,7 +258,7 @@ def bounds(d):
 
 def _of_length(kind, functions):
     """Return the ``kind`` with these ``functions`` of its natural length, a law of time or a formula of signals."""
-    return on_demand(kind, functions, "natural_length", INPUT, of_law_with_rate, with_rate)
+    return on_demand(kind, functions, "natural_length", of_law_with_rate, with_rate)
 
 
 _BAR = Kind(

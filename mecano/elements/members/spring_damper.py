@@ -128,7 +128,7 @@ def _spring(functions):
         bounds=lambda d: table_bounds("extension", d["law"], "the force"),
         measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},
     )  # fmt: skip
-    return with_release(on_demand(kind, functions, "natural_length", 6, set_point_of_law, with_rate), "spring", (3,))
+    return with_release(on_demand(kind, functions, "natural_length", set_point_of_law, with_rate), "spring", (3,))
 
 
 SPRING_DAMPER = with_activation(_spring(_functions), "spring", (3,), (_spring(_stress_free), (1, 3, 4, 5)))

@@ -121,7 +121,7 @@ def _spring(functions):
         **named(prepare, sample),
         measures={"angle": _angle},
     )  # fmt: skip
-    return with_release(on_demand(kind, functions, "natural_angle", 6, set_point_of_law, with_rate), "spring", (2,))
+    return with_release(on_demand(kind, functions, "natural_angle", set_point_of_law, with_rate), "spring", (2,))
 
 
 TORSION_SPRING_DAMPER = with_activation(_spring(_functions), "spring", (2,), (_spring(_stress_free), (2,)))
