@@ -272,8 +272,8 @@ def march_sampled(checked, disturb=lambda integrator: None):
     """Return the RunState after 0.1 s as plain data, and the number of restarts by Python."""
     prepared, restarts = prepare(checked), []
     integrator = integrator_of(prepared)
-    start_again = integrator._start_again
-    integrator._start_again = lambda *given, **more: restarts.append(given) or start_again(*given, **more)
+    start_again = integrator.start_again
+    integrator.start_again = lambda *given, **more: restarts.append(given) or start_again(*given, **more)
     disturb(integrator)
     run = integrator.to(0.051, integrator.begin(prepared.state, checked.values["time"]["step"]))
     return to_plain(integrator.to(0.1, run)), len(restarts)

@@ -154,3 +154,33 @@ def test_samples_are_rounded_to_the_resolution():
     np.testing.assert_allclose(m["signals/read/value"], 0.003 * np.round(sampled / 0.003), atol=1e-12)
     before = 0.003 * np.round((0.003 - 0.1 * last_before(m.time, 0.0, 0.01)) / 0.003)
     np.testing.assert_allclose(m["signals/late/value"], np.where(m.time < 0.011, 0.005, before), atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+@pytest.mark.parametrize("initial", ["{}", "static"])
+def test_samples_and_delays_begin_with_velocities_and_reactions_of_the_start(initial, method):
+    """A motor already turns, a rod carries 1 kg, and a ball of 2 kg stands on the floor."""
+    m = RecordedRun(
+        deck(f"""
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {{hook: {{position: [0, 0, 0], fixed: true}}, bob: {{position: [0, 0, -1]}}, ball: {{position: [1, 0, 0.1]}},
+             crank: {{position: [2, 0, 0]}}}}
+    elements:
+      bob: {{type: point_mass, node: bob, mass: 1}}
+      ball: {{type: rigid_body, node: ball, mass: 2, inertia: [0.1, 0.1, 0.1]}}
+      floor: {{type: contact, nodes: [ground, ball], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}}, radius: 0.1}}
+      crank: {{type: rigid_body, node: crank, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+    joints:
+      rod: {{type: rigid_rod, nodes: [hook, bob]}}
+      pin: {{type: hinge, nodes: [ground, crank], axis: [0, 1, 0]}}
+      motor: {{type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: {{linear: {{slope: 50}}}}}}
+    signals:
+      held: {{type: sample_and_hold, input: pin.rate + rod.tension + floor.normal_force, period: 10 ms}}
+      late: {{type: delay, input: pin.rate + rod.tension + floor.normal_force, time: 10 ms}}
+    initial: {initial}
+    time: {{end: 0.03, step: 1 ms, method: {method}}}
+    """)
+    )
+    for name in ("held", "late"):
+        np.testing.assert_allclose(m[f"signals/{name}/value"], 50 + 3 * 9.81, rtol=1e-6)

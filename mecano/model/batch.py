@@ -115,6 +115,11 @@ class Batch:
         own, width = self.kind.memory.index(self.kind.arrival), len(self.kind.memory)
         return [self.first_memory + i * width + own for i in range(len(self.p))]
 
+    def places_of_past(self) -> range:
+        """Return the places in the memory of a state at which earlier inputs of signals stand."""
+        size = len(self.p) * len(self.kind.memory) if self.kind.reads_past else 0
+        return range(self.first_memory, self.first_memory + size)
+
     def has_signals(self) -> bool:
         """Return whether the elements have equations of signals, or of states."""
         return self.kind.of_signals or len(self.kind.states) > 0

@@ -62,6 +62,7 @@ class System:
         self.batches = batches(instances, self.numbering, self.n_slots, partition, self.context.length)
         self.massless = self._scalars(lambda kind: kind.massless)
         self.places_of_arrivals = np.array([i for b in self.batches for i in b.places_of_arrivals()], np.int64)
+        self.places_of_past = np.array([i for b in self.batches for i in b.places_of_past()], np.int64)
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
         self.states = self.numbering.kind[: self.n_q] == STATE
         self._state_dofs = np.flatnonzero(self.states)
@@ -368,16 +369,6 @@ class System:
     def arrivals(self, memory: np.ndarray) -> list[float]:
         """Return the next times [s] at which steps must end that follow from the ``memory``, or such far off."""
         return memory[self.places_of_arrivals].tolist() if self.places_of_arrivals.size else []
-
-    @cached_property
-    def places_of_past(self) -> np.ndarray:
-        """Places in the memory of a state that hold earlier inputs of signals."""
-        found = [
-            np.arange(b.first_memory, b.first_memory + len(b.p) * len(b.kind.memory))
-            for b in self.batches
-            if b.kind.reads_past
-        ]
-        return np.concatenate([np.zeros(0, int), *found])
 
     def _committed(self, s, chosen):
         memory = s.memory.copy()

@@ -17,12 +17,12 @@ from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
+from mecano.solve.time.beginning import Beginning
 from mecano.solve.time.binding import refuse_binding
-from mecano.solve.time.contradictions import start_stiff, stiffened
+from mecano.solve.time.contradictions import stiffened
 from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
-from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import HOLD, NEGLIGIBLE_TIME, SHORT, StepControl, first_size
 from mecano.solve.time.stride import PROBE
 from mecano.solve.time.stride_arrays import Recorder
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from mecano.solve.time.radau_steps import RadauSteps
     from mecano.solve.time.step_info import StepInfo, Trial
 
-MOST_SETTLING = 10  # of phases at the start that follow from one another
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_CUTS = 500  # while time advances by less than the largest step: then the run crawls
@@ -106,63 +105,10 @@ class TimeIntegrator:
     def begin(self, s: "State", h: float) -> RunState:
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
-        Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
-        separate are open, even if rounding makes them overlap. Conditions are judged with these reactions and phases.
+        ``start_events`` are the events there, see ``Beginning``.
         """
-        settled, due = self._settled(s), []
-        if self.monitor.due(settled).any():
-            settled, due = self._judged(settled, h)
-        run, self.start_events = self._begun(settled, h)
-        self.start_events += due
+        run, self.start_events = Beginning(self).of(s, h)
         return run
-
-    def _settled(self, begin):
-        """Return the state at the start with its phases; signals of the past begin with the values in these phases."""
-        system, past = self.system, self.system.places_of_past
-        s = replace(begin, memory=system.commit(solve_signals(system, begin.copy())))
-        for _ in range(MOST_SETTLING):
-            settled = self.monitor.settle(s, self._touching)
-            if not past.size or np.array_equal(settled.phases, s.phases):
-                break
-            memory = settled.memory.copy()
-            memory[past] = begin.memory[past]
-            memory[past] = system.commit(solve_signals(system, replace(settled, memory=memory).copy()))[past]
-            s = replace(settled, memory=memory)
-        return settled
-
-    @property
-    def _touching(self):
-        """Event values (n_events,) up to which phases of a start stay: of lasting conditions any, of contacts a gap."""
-        return np.where(self.monitor.lasting, np.inf, self.shocks.touching)
-
-    def _judged(self, s, h):
-        """Return ``s`` with the lasting conditions that are met at the start of its motion, and these events.
-
-        Before, the reactions, consistent velocities and closed contacts are not known.
-        """
-        compliance = self.method.compliance
-        run, _ = self._begun(s.copy(), h)
-        self.method.use(compliance)
-        s, due = self.monitor.apply(s, self.monitor.due(run.motion))
-        return self.monitor.settle(s, self._touching), due
-
-    def _begun(self, s, h):
-        """Return the RunState of consistent ``s``, and the events of the contacts that are pressed together."""
-        s, history = start_stiff(self.method, s, h)
-        run = RunState(s, history, h, compliance=self.method.compliance)
-        return self._close_pressed(replace(run, powers=self._observe(s).powers))
-
-    def _close_pressed(self, run):
-        """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
-        events = []
-        for _ in self.shocks.impact_candidates:
-            hit = self.shocks.pressed(run.motion, run.h)
-            if not hit.any():
-                break
-            run, s, happened, consistent = self.events.apply(run, run.motion, hit, at_once=True)
-            run = self._start_again(run, s, consistent)
-            events += happened
-        return run, events
 
     def to(self, end: float, run: RunState, memory: np.ndarray | None = None) -> RunState:
         """Integrate from ``run`` to the time ``end``, or to an event that ends the run, and return the new RunState.
@@ -192,7 +138,7 @@ class TimeIntegrator:
         if before_corner:
             run = self._start_behind_corner(run, end)
         elif memory is not None:
-            run = self._start_again(run, run.motion)
+            run = self.start_again(run, run.motion)
         while run.motion.t < end and not (self.monitor.final and self.monitor.ended(run.motion)):
             stop = self._next_stop(run, end)
             if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
@@ -284,7 +230,7 @@ class TimeIntegrator:
             trial = trial or self.trials.first(run, stop)
             if displacement := self.method.contradictions.yielding(trial):
                 new = stiffened(self.method, run.tried(1, trial[2].iterations), displacement)
-                return new if new.motion is run.motion else replace(new, powers=self._observe(new.motion).powers)
+                return new if new.motion is run.motion else replace(new, powers=self.observe(new.motion).powers)
         try:
             h, trial, found, rejected, iterations = self.trials.acceptable(run, stop, trial, cuts)
         finally:
@@ -331,7 +277,7 @@ class TimeIntegrator:
             s = self._consistent(s, run.h, impact=True)
         run = self._slowed(run, found.hit)
         run, s, event_records, consistent = self.events.apply(run, s, found.hit, at_once=True)
-        new = self._start_again(run, s, consistent)
+        new = self.start_again(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
         return new
 
@@ -349,7 +295,7 @@ class TimeIntegrator:
         if self.monitor.captures:
             self.capture.accepted(info.event_records, whole=False)
         self._notify(Accepted(run.motion, new, info, h, rejected, (*info.event_records, *event_records)))
-        return self._start_again(after, s, consistent)
+        return self.start_again(after, s, consistent)
 
     def _slowed(self, run, hit):
         """Return the run with a step no longer than a restart allows if some events ``hit`` are conditions.
@@ -378,7 +324,7 @@ class TimeIntegrator:
         """
         forces = self.system.forces(s) if info.forces is None else info.forces
         s.memory = self.system.commit(s)
-        powers, work = self._observe(s, forces).powers, info.work
+        powers, work = self.observe(s, forces).powers, info.work
         if work is None:
             reached = powers if reached is None else reached
             work = [[0.5 * h * (power0 + power) for power0, power in zip(run.powers, reached, strict=True)]]
@@ -388,14 +334,14 @@ class TimeIntegrator:
             dissipated=run.dissipated + float(work[-1][0]), given=run.given + float(work[-1][1]),
         )  # fmt: skip
 
-    def _start_again(self, run, s, consistent=None, size=None):
+    def start_again(self, run, s, consistent=None, size=None):
         """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner.
 
         ``size`` is that of the first step, if it is not the planned one.
         """
         s, history = self.method.start(s, size or run.h, consistent)
         s = replace(s, memory=self.system.commit_jumps(s))
-        new = replace(run, motion=s, history=history, powers=self._observe(s).powers)
+        new = replace(run, motion=s, history=history, powers=self.observe(s).powers)
         if self.recorder is not None:
             self.recorder.restarted(new, passing=self._passes(s, run.h))  # forces may jump
         return new
@@ -411,7 +357,7 @@ class TimeIntegrator:
         given = run.given + work_of_jumps(self.system, self.method, run.motion, behind, h)
         run = replace(run, motion=behind, h=h, given=given)
         stop = self._next_stop(run, end)
-        return self._start_again(run, behind, size=first_size(behind.t, h, stop, stop in self._is_corner))
+        return self.start_again(run, behind, size=first_size(behind.t, h, stop, stop in self._is_corner))
 
     def _passes(self, s, h):
         """Return whether another event follows at the same instant."""
@@ -423,7 +369,8 @@ class TimeIntegrator:
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
         return run.powers if h <= SHORT * run.h else self.system.observe(s).powers
 
-    def _observe(self, s, forces=None):
+    def observe(self, s: "State", forces: "np.ndarray | None" = None) -> Observation:
+        """Return the outputs and powers at ``s``."""
         return self.system.observe(s, forces, self.observation)
 
     def _notify(self, accepted):
