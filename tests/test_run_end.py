@@ -133,6 +133,16 @@ def test_conditions_at_the_start_see_its_reactions_and_switches(when, happens, i
     assert len(mecano.modes(deck, at=(results, 0.05), number=20).kinds) == 2 + 6 * happens
 
 
+@pytest.mark.parametrize("when", ["rod.tension < 9", "cord.force.magnitude < 9", "level < 0.5"])
+def test_conditions_on_a_path_over_time_see_its_first_equilibrium(when, tmp_path):
+    """Forces grow from zero in the search for it."""
+    deck = mecano.Deck(yaml.safe_load(HANGING.replace("WHEN", when)))
+    del deck["time"]
+    deck["static"] = {"over": "time", "end": 1, "steps": 2}
+    results = mecano.run(deck, tmp_path / "path.h5")
+    assert results.events == [] and results["rod.tension"].values == pytest.approx(9.81)
+
+
 STEADY = """
     mecano: 1
     gravity: [0, 0, -9.81]

@@ -163,8 +163,9 @@ def _settled(prepared: Prepared) -> "State":
 
 
 def _monitor(prepared: Prepared) -> EventMonitor:
-    """Return the monitor of a static analysis, or of the search for the start of a motion."""
-    return (Searching if prepared.deck.values["initial"]["static"] else EventMonitor)(prepared.system)
+    """Return the monitor of a path over the load factor, or of the search for the start of a motion or a path."""
+    over_time = (prepared.deck.values["static"] or {}).get("over") == "time"
+    return (Searching if over_time or prepared.deck.values["initial"]["static"] else EventMonitor)(prepared.system)
 
 
 def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool = False) -> Statics:
@@ -174,7 +175,8 @@ def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool 
     return Statics(
         prepared.system, prepared.linear, loading, prepared.length, tolerances,
         k=or_default(scale.get("k", AUTOMATIC), None), penalty=or_default(scale.get("penalty", AUTOMATIC), None),
-        compliance=prepared.compliance, past=past, monitor=_monitor(prepared),
+        compliance=prepared.compliance, past=past,
+        monitor=EventMonitor(prepared.system) if past else _monitor(prepared),
     )  # fmt: skip
 
 
