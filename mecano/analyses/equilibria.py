@@ -94,6 +94,7 @@ def equilibrium(prepared: Prepared) -> tuple[str, ...]:
     state = statics.polish(result.point.state, 1.0)
     state.a[:] = 0.0
     state.v[:] = prepared.state.v
+    state.memory[prepared.system.places_of_past] = 0.0
     prepared.state = state
     return result.warnings
 

@@ -22,7 +22,7 @@ class Beginning:
 
     Contacts that touch are closed if they are pressed together. Those that separate are open, even if rounding makes
     them overlap. Lasting conditions, such as that of a release, are judged with the reactions, velocities and closed
-    contacts of the start, and samples and delayed inputs begin with these.
+    contacts of the start. Samples and delayed inputs, unless they are known, begin with these.
     """
 
     def __init__(self, integrator: "TimeIntegrator"):
@@ -32,6 +32,7 @@ class Beginning:
 
     def of(self, s: "State", h: float) -> "tuple[RunState, list[EventRecord]]":
         """Return the RunState at the start ``s``, for a first step ``h`` [s], and the events there."""
+        self.samples = not s.memory[self.system.places_of_past].any()
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, due = self.monitor.settle(s, self.least), []
         if self.monitor.due(s).any():
@@ -69,7 +70,7 @@ class Beginning:
     def _sampled(self, run):
         """Return the run with samples and delayed inputs that begin with its velocities and reactions."""
         past, memory = self.system.places_of_past, run.motion.memory.copy()
-        if not past.size:
+        if not past.size or not self.samples:
             return run
         memory[past] = 0.0
         s = solve_signals(self.system, replace(run.motion.copy(), memory=memory))
