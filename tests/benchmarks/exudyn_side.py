@@ -357,3 +357,10 @@ class Exudyn:
         given.solution.sensors.writePeriod = self.case.step * self.case.every
         given.parallel.numberOfThreads = 1
         return given
+
+
+if __name__ == "__main__":  # the script of a user: CASE FILE
+    from cases import CASES
+
+    case = CASES[sys.argv[1]]
+    Exudyn(case).save(sys.argv[2], case.every * case.step)

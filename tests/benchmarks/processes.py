@@ -32,30 +32,18 @@ def measured(case, folder):
     content["output"] = {"every": case.every * case.step}
     deck.write_text(yaml.safe_dump(content, sort_keys=False))
     run = ("run", deck, "--quiet", "--force", "-o", folder / "results.h5")
-    script = (__file__, "--exudyn", case.name, folder / "solution.txt")
+    script = (Path(__file__).with_name("exudyn_side.py"), case.name, folder / "solution.txt")
     processor_time(*run)  # compiles, if need be
     pairs = [(processor_time(*run), processor_time(*script, command=(sys.executable,))) for _ in range(REPETITIONS)]
     return tuple(statistics.median(spent) for spent in zip(*pairs, strict=True))
-
-
-def solve_in_exudyn(name, path):
-    """Solve a case in Exudyn and save its solution."""
-    from exudyn_side import Exudyn
-
-    case = CASES[name]
-    Exudyn(case).save(path, case.every * case.step)
 
 
 def main():
     """Measure all cases, or those that are named."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", choices=[*CASES, []])
-    parser.add_argument("--exudyn", nargs=2, metavar=("CASE", "FILE"), help="solve a case in Exudyn, and end")
     parser.add_argument("--write", action="store_true", help="write the table of docs/benchmarks.md")
     given = parser.parse_args()
-    if given.exudyn:
-        solve_in_exudyn(*given.exudyn)
-        return
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     rows = []
     with tempfile.TemporaryDirectory() as folder:
