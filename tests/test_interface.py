@@ -643,6 +643,7 @@ class TestResults:
     def test_plots_are_pictures(self, results, folder):
         for names in ((), ("hinge.angle",), ("hinge.rate:hinge.angle", "hinge.force")):
             plot = results.plot(*names)
+            assert "save('plot.png')" in repr(plot)
             assert plot._repr_png_().startswith(b"\x89PNG")
         assert len(plot.figure.axes) == 2 and plot.figure.axes[0].get_xlabel() == "angle [rad]"
         plot.save("own.svg")

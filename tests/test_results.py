@@ -165,6 +165,14 @@ def test_similar_outputs_are_different_ones():
     assert similar_outputs("hinge.angel", paths) == ["hinge.angle", "hinge.rate", "hinge.force"]
 
 
+def test_notebooks_complete_names_that_can_be_used(finished):
+    """By any ending, such as that without the section."""
+    with open_results(finished) as results:
+        names = results._ipython_key_completions_()
+        assert {"wheel.radial_force", "elements.wheel.radial_force", "axle.position"} <= set(names)
+        assert all(name in results for name in names)
+
+
 @pytest.mark.parametrize(
     "name, message",
     [
@@ -184,6 +192,7 @@ def test_similar_outputs_are_different_ones():
         ),
         ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
         ("axle", "no output 'axle' in this file, but axle.position, axle.rotation"),
+        ("radial_force", "no output 'radial_force' in this file; there are wheel.radial_force"),
     ],
 )
 def test_names_that_are_wrong(finished, name, message):

@@ -155,6 +155,9 @@ class Plot:
     def __init__(self, figure: "Figure"):
         self.figure = figure
 
+    def __repr__(self):
+        return "Plot: notebooks display it, save('plot.png') writes it"
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the plot in the format of the file extension: .png, .svg, .pdf, ..."""
         self._write(path)

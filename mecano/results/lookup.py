@@ -32,6 +32,10 @@ class ByName:
     def __iter__(self):
         return iter(self.names())
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return the names that notebooks complete between brackets."""
+        return self._lookup.unique_endings()
+
     def __contains__(self, name):
         try:
             self[name]
@@ -68,6 +72,10 @@ class Lookup:
         for one in series:
             for ending in _endings(one.path):
                 self._by_ending.setdefault(ending, []).append(one)
+
+    def unique_endings(self) -> list[str]:
+        """Return all names with dots that mean one series."""
+        return [ending for ending, of in self._by_ending.items() if len(of) == 1]
 
     def match(self, pattern: str) -> list[str]:
         """Return the paths that match a pattern with * and ?, as a whole or by an ending; else those of components."""
@@ -119,13 +127,15 @@ class Lookup:
             return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * instead of the number for all"
         own = [ending for ending in self._by_ending if ending.rpartition(".")[0] == dotted]
         if own:
-            shown = ", ".join(own[:MOST]) + (", ..." if len(own) > MOST else "")
-            return f", but {shown}"
+            return f", but {_listed(own)}"
         node = dotted.removeprefix("nodes.").partition(".")[0]
         if ".displacement" in dotted and f"{node}.position" in self._by_ending:
             return f": nodes have positions only; write {node}.position"
         if dotted.rpartition(f"{node}.")[2].partition(".")[0] in OF_ATTITUDE and f"{node}.position" in self._by_ending:
             return f": add an element {{type: attitude, node: {node}}} to the deck, which has these outputs of a node"
+        same = [ending for ending in self._by_ending if ending.partition(".")[2] == dotted]
+        if same:
+            return f"; there are {_listed(same)}"
         close = similar_outputs(dotted, self._by_path) or similar_outputs(_split(dotted, 1)[0], self._by_path)
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
 
@@ -135,6 +145,10 @@ class Lookup:
         piece = re.compile(rf"{re.escape(owner)}\.(\d+)\.{re.escape(last)}")
         found = {int(match[1]): ending for ending in self._by_ending if (match := piece.fullmatch(ending))}
         return [found[number] for number in sorted(found)]
+
+
+def _listed(names):
+    return ", ".join(names[:MOST]) + ", ..." * (len(names) > MOST)
 
 
 def similar_outputs(name: str, paths: Iterable[str]) -> list[str]:
