@@ -7,6 +7,7 @@ from process import mecano_process, settings
 from time_runs import INPUTS
 
 from mecano.elements import KINDS
+from mecano.post import scene
 from mecano.post.animation import FILES, page_text
 from mecano.post.deformation import flexible_parts, quaternions, rigid_fit
 from mecano.post.forces import arrows
@@ -44,6 +45,18 @@ def test_the_force_of_a_hinge_moves_what_hangs_on_it(tmp_path):
     error = np.abs(found["elbow_hinge"].values[1:-1] - expected).max()
     assert error < 3e-3 * np.abs(expected).max()
     np.testing.assert_array_equal(found["elbow_hinge"].places, results["lower_end.position"].values)
+
+
+def test_a_model_of_many_nodes_is_shown_at_fewer_times(tmp_path, monkeypatch):
+    """Ten of 21 saved times, if these are as many points as a page can hold, but no fewer than four."""
+    drop = run(tmp_path, "wheel_drop", "time.end=0.02", "output.every=1e-3")
+    nodes = len(Motion(drop, slice(None)).nodes)
+    assert len(scene_of(drop, 600).times) == 21
+    monkeypatch.setattr(scene, "FEWEST", 4)
+    for limit, shown in ((10 * nodes, 10), (nodes, 4)):
+        monkeypatch.setattr(scene, "MOST_POINTS", limit)
+        times = scene_of(drop, 600).times
+        assert len(times) == shown and times[0] == 0.0 and times[-1] == drop.results.time[-1]
 
 
 def test_the_force_on_a_wheel_acts_where_it_touches_the_ground(tmp_path):

@@ -36,6 +36,7 @@ GROUND = 3.0  # sizes of the mechanism by which the ground extends beyond the pa
 Range: TypeAlias = tuple[str, str, float, float]  # name and unit of a colouring, lowest and highest value
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
 """Values by which elements can be coloured: name, unit."""
+MOST_POINTS, FEWEST = 300_000, 60  # nodes times saved times that a page can hold in some megabytes; saved times
 BENT, MOST_BENT = 4, 400  # lines per beam element; number of elements above which it is a single line
 LOOKED_AT = 20  # number of instants from which the view direction is chosen
 
@@ -107,11 +108,16 @@ class Scene:
 
 
 def scene_of(run: "Run", most: int) -> Scene:
-    """Return the Scene of a run with at most ``most`` saved times; raises ResultsError if there is nothing to show."""
+    """Return the Scene of a run with at most ``most`` saved times, fewer of a model of many nodes.
+
+    Raises ResultsError if there is nothing to show.
+    """
     count = len(run.results.time)
     if not count:
         raise ResultsError(f"{run.results.path}: no saved times yet")
-    rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+    nodes = sum(path.startswith("nodes/") and path.endswith("/position") for path in run.paths)
+    shown = min(count, most, max(FEWEST, MOST_POINTS // max(nodes, 1)))
+    rows = np.unique(np.linspace(0, count - 1, shown).round().astype(int))
     motion = Motion(run, rows)
     drawn = [_smooth_line(motion, shape) for shape in shapes(motion)]
     if not drawn:
