@@ -62,9 +62,12 @@ def test_points_are_those_of_the_file(results):
 def test_a_wheel_has_its_ground_and_its_events(results):
     page = animate(results / "wheel_drop.h5", results / "wheel.html", ["tire.radial_force"])
     data = data_of(page)
-    assert (
-        [len(lines) for lines in data["grounds"]] == [3] and len(data["plots"]) == 1 and data["plots"][0]["unit"] == "N"
-    )
+    [(sides, bars)] = data["grounds"]
+    left, right = floats(sides).reshape(2, -1, 3)
+    ends = floats(bars).reshape(-1, 2, 3)
+    np.testing.assert_allclose(ends[0], (left[0], right[0]))
+    np.testing.assert_allclose(np.linalg.norm(np.diff(ends, axis=0), axis=2), 0.25 * data["size"], rtol=1e-5)
+    assert len(data["plots"]) == 1 and data["plots"][0]["unit"] == "N"
     assert any("touch down" in event["name"] for event in data["events"])
     assert len(floats(data["times"])) <= MOST_FRAMES and page.stat().st_size < 1_500_000
 

@@ -26,7 +26,7 @@ from mecano.post.animation import animate
 from mecano.post.configurations import configurations_figure
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
-from mecano.post.draw_sketch import line_of
+from mecano.post.draw_sketch import draw_shapes
 from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import notable
 from mecano.post.info import info
@@ -627,11 +627,13 @@ def test_configurations_that_travel_far_are_drawn_about_their_middle():
     assert not shift.any() and low.tolist() == [0.0, 0.0] and high.tolist() == [1.5, 1.0]
 
 
-def test_configurations_show_bodies_with_more_than_two_points_as_outlines():
+def test_bodies_with_more_than_two_points_are_drawn_as_outlines():
     square = np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.6, 0.5], [1.0, 0.0]])
-    line = line_of(Shape(BODY, "plate", square[None]), square)
-    assert line.tolist() == [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
-    np.testing.assert_array_equal(line_of(Shape(CABLE, "rope", square[None]), square), square)
+    placed = [(Shape(style, style, square[None]), square) for style in (BODY, CABLE)]
+    ax = matplotlib.figure.Figure().add_subplot()
+    draw_shapes(ax, placed, {BODY: "black", CABLE: "grey"})
+    assert ax.lines[0].get_xydata().tolist() == [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
+    np.testing.assert_array_equal(ax.collections[0].get_segments()[0], square)
 
 
 def test_configurations_show_ground_and_axes_and_say_whose_they_are(runs):

@@ -18,6 +18,7 @@ import numpy as np
 from mecano.errors import UsageError
 from mecano.post.deformation import quaternions
 from mecano.post.event_marks import event_marks
+from mecano.post.ground import bars_across
 from mecano.post.overview import overview
 from mecano.post.quantity import SAVED
 from mecano.post.request import requested_sheets
@@ -28,7 +29,7 @@ from mecano.post.sheets import default_sheets
 from mecano.post.verdict import is_sound, verdict
 from mecano.results import modes_file
 from mecano.results.opening import format_of
-from mecano.results.whole_file import atomic_file, make_folder
+from mecano.results.whole_file import write_page
 
 if TYPE_CHECKING:
     import os
@@ -43,6 +44,7 @@ FILES = {
 }
 """Files that replace {{styles}}, {{libraries}} and {{program}} in page.html, in this order."""
 STEPS_OF_ROUNDING = 65535
+BARS = 0.25, 1e-3  # distance of bars across a ground: of the size of the mechanism, and at least of the ground
 
 
 def animate(
@@ -73,10 +75,7 @@ def animate(
         raise UsageError(f"--animate {page}: the name must end with .html, {' or '.join(FILMS)}")
     with opened_runs([path]) as [run]:
         text = page_text(page_data(run, plots, title))
-    make_folder(page.parent)
-    with atomic_file(page) as hidden:
-        hidden.write_text(text, encoding="utf-8")
-    return page
+    return write_page(page, text)
 
 
 def _animate_modes(path, page, plots, title):
@@ -132,8 +131,14 @@ def _motion(scene):
             }
             for arrow in scene.arrows
         ],
-        "grounds": [[_floats(line) for line in lines] for lines in scene.grounds],
+        "grounds": [_ground(lines, scene.size) for lines in scene.grounds],
     }  # fmt: skip
+
+
+def _ground(lines, size):
+    """Return the left and right line of a ground, and bars across it."""
+    pitch = max(BARS[0] * size, BARS[1] * float(np.linalg.norm(lines[1][-1] - lines[1][0])))
+    return [_floats(np.stack(lines[::2])), _floats(bars_across(lines, pitch))]
 
 
 def _shape(scene, i):

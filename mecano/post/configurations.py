@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
-from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
-from mecano.post.draw_sketch import draw_compass, draw_patch, line_of
+from mecano.post.draw_sketch import draw_compass, draw_patch, draw_shapes
 from mecano.post.figure import plain_figure
 from mecano.post.ground import ground_patch
 from mecano.post.shapes import CABLE, GUIDE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
 from mecano.post.sketch import FLAT, plane_axes
-from mecano.post.style import GREY, INK, PALE, SETTINGS
+from mecano.post.style import INK, PALE, SETTINGS
 from mecano.post.view_direction import direction, projection
 
 if TYPE_CHECKING:
@@ -52,6 +51,7 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
     lines = [(shape, shape.points @ matrix.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
     supports = [run.results.find(f"nodes/{name}/position").values[rows] @ matrix.T for name in fixed]
+    colours = {shape.name: PALE if shape.style in (CABLE, GUIDE) else INK for shape in shown}
     patches = [_patches(run, shown, matrix, i) for i in range(len(rows))]
     shift, low, high = _frame(np.concatenate([*(points for _, points in lines), *zip(*patches, strict=True)], axis=1))
     room = MARGIN * (high - low).max()
@@ -64,8 +64,7 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            seen = [(shape.style in (CABLE, GUIDE), line_of(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
-            _draw(ax, [(thin, line - shift[i]) for thin, line in seen])
+            draw_shapes(ax, [(shape, p[i] - shift[i]) for shape, p in lines if shape.is_shown(i)], colours)
             for outline in patches[i]:
                 draw_patch(ax, outline - shift[i])
             for place in supports:
@@ -118,10 +117,3 @@ def _named(saved, requested):
     """Return a text with the time drawn, and the time requested if they differ."""
     shown, wanted = f"t = {saved:.4g} s", f"{requested:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
-
-
-def _draw(ax, lines):
-    """Draw the lines, thin ones first, so that others cover them."""
-    for thin, colour, width in ((True, GREY, 0.6), (False, INK, 1.4)):
-        some = [points for is_thin, points in lines if is_thin == thin]
-        ax.add_collection(LineCollection(some, colors=colour, linewidths=width, capstyle="round"))

@@ -232,14 +232,6 @@ def hull(points: np.ndarray) -> np.ndarray:
     return np.array(half(ordered) + half(ordered[::-1]) or ordered[:1])
 
 
-def line_of(shape: "Shape", points: np.ndarray) -> np.ndarray:
-    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): the outline of a body with more than two."""
-    if shape.style != BODY or len(points) < 3:
-        return points
-    outline = hull(points)
-    return np.vstack([outline, outline[:1]])
-
-
 def _turn(a, b, c):
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 

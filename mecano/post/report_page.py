@@ -17,7 +17,7 @@ from mecano.post.spectrum import NO_TRANSFORMS, Transforms
 from mecano.post.study_report import study_report
 from mecano.results import study_file
 from mecano.results.opening import format_of
-from mecano.results.whole_file import atomic_file, make_folder
+from mecano.results.whole_file import write_page
 
 if TYPE_CHECKING:
     import os
@@ -45,10 +45,7 @@ def write_report(
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--report {page}: the name of a page must end with .html; print it in a browser to get a PDF")
     text = page_of(_report(path, title, plots, transforms))
-    make_folder(page.parent)
-    with atomic_file(page) as hidden:
-        hidden.write_text(text, encoding="utf-8")
-    return page
+    return write_page(page, text)
 
 
 def _report(path, title, plots, transforms):

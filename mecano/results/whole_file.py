@@ -112,6 +112,14 @@ def write_csv(path: "Path", rows: Iterable[Sequence[str]], force: bool) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
+def write_page(page: "Path", text: str) -> "Path":
+    """Write a page, make its folder if needed, and return its Path. Raises ResultsError."""
+    make_folder(page.parent)
+    with atomic_file(page) as hidden:
+        hidden.write_text(text, encoding="utf-8")
+    return page
+
+
 def csv_line(cells: Sequence[str]) -> str:
     """Return a row of comma-separated values with the end of its line."""
     line = io.StringIO()

@@ -45,7 +45,7 @@ class Solids {
     this.addDots(of("joint").filter(shape => !shape.axis), new THREE.SphereGeometry(JOINT_RADIUS * this.thin, 14, 10), PLAIN.joint);
     this.addAxes(of("joint").filter(shape => shape.axis));
     this.addSupports(of("support"));
-    motion.grounds.forEach(lines => this.addGround(lines));
+    motion.grounds.forEach(ground => this.addGround(ground));
     if (!motion.grounds.length && (data.follow || !of("support", "guide").length)) this.addGrid(data.eye);
     this.addArrows();
   }
@@ -114,14 +114,13 @@ class Solids {
 
   // Tyre as the rim has it, flattened by the ground; hub with spokes that turns.
   addWheel(shape) {
-    const n = shape.count - 1, around = TYRE.around, tyre = new THREE.BufferGeometry(), index = [];
-    tyre.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * n * around), 3));
+    const n = shape.count - 1, around = TYRE.around, index = [];
     for (let i = 0; i + 1 < n; i++)
       for (let j = 0; j < around; j++) {
         const a = i * around + j, b = i * around + (j + 1) % around;
         index.push(a, b, a + around, b, b + around, a + around);
       }
-    tyre.setIndex(index);
+    const tyre = surfaceOf(3 * n * around, index); // of zeros, until it is shown
     const rubber = this.add(new THREE.Mesh(tyre, paint(PLAIN.wheel, { side: THREE.DoubleSide })), () => shape);
     const radius = shape.radius / this.motion.size, hub = hubOf(radius);
     hub.children.forEach(part => { part.userData.shapeOf = () => shape; });
@@ -189,30 +188,14 @@ class Solids {
     });
   }
 
-  // A strip between three lines, with lines across it that show how fast it passes.
-  addGround([left, middle, right]) {
-    const { motion } = this, n = left.length / 3;
-    const at = (line, k) => [0, 1, 2].map(i => (line[3 * k + i] - motion.whole[i]) / motion.size);
-    const places = [], index = [], across = [];
-    for (let k = 0; k < n; k++) places.push(...at(left, k), ...at(middle, k), ...at(right, k));
-    for (let k = 0; k + 1 < n; k++)
-      for (const i of [0, 1]) { const a = 3 * k + i; index.push(a, a + 1, a + 3, a + 1, a + 4, a + 3); }
-    let run = 0, next = 0, step = Math.max(0.25, 0.001 * new THREE.Vector3(...at(left, 0)).distanceTo(C.set(...at(left, n - 1))));
-    for (let k = 0; k + 1 < n; k++) {
-      const ends = [left, middle, right].map(line => [new THREE.Vector3(...at(line, k)), new THREE.Vector3(...at(line, k + 1))]);
-      const length = ends[1][0].distanceTo(ends[1][1]);
-      for (; next <= run + length; next += step) {
-        const [a, b, c] = ends.map(([p, q]) => p.clone().lerp(q, (next - run) / (length || 1)).addScaledVector(this.up, 0.002));
-        across.push(...a.toArray(), ...b.toArray(), ...b.toArray(), ...c.toArray());
-      }
-      run += length;
-    }
-    const strip = new THREE.BufferGeometry();
-    strip.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
-    strip.setIndex(index);
-    strip.computeVertexNormals();
-    this.stand(new THREE.Mesh(strip, paint(PLAIN.ground, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
-    this.stand(linesOf(across, 0x8c8373));
+  // A strip between two lines, with bars across it that show how fast it passes.
+  addGround([sides, bars]) {
+    const n = sides.length / 6, index = [], place = (x, i) => (x - this.motion.whole[i % 3]) / this.motion.size;
+    for (let k = 0; k + 1 < n; k++) index.push(k, k + 1, n + k, k + 1, n + k + 1, n + k);
+    const ground = paint(PLAIN.ground, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    this.stand(new THREE.Mesh(surfaceOf(sides.map(place), index), ground));
+    const up = this.up.toArray();
+    this.stand(linesOf(bars.map((x, i) => place(x, i) + 0.002 * up[i % 3]), 0x8c8373));
   }
 
   // Lines behind or below a mechanism that travels over no ground, across the axis along which it travels least.
@@ -282,6 +265,14 @@ class Solids {
   }
 }
 
+function surfaceOf(places, index) {
+  const surface = new THREE.BufferGeometry();
+  surface.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
+  surface.setIndex(index);
+  surface.computeVertexNormals();
+  return surface;
+}
+
 function linesOf(places, color) {
   const lines = new THREE.BufferGeometry();
   lines.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
@@ -300,11 +291,7 @@ function helix() {
       if (i < steps) index.push(a, a + around, b, b, a + around, b + around);
     }
   }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(places), 3));
-  geometry.setIndex(index);
-  geometry.computeVertexNormals();
-  return geometry;
+  return surfaceOf(places, index);
 }
 
 // The hub of a wheel of some radius along y: a disc with five spokes on both sides.
