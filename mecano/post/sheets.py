@@ -99,7 +99,7 @@ def _energies(runs):
             errors.append(Curve(time_of(balance), _relative(_changed(balance), scale), number, "energy"))
             scales[compared] = None
     main = Panel("change of energy", tuple(changes))
-    error = Panel("error of the energy balance", tuple(errors), note=f"over {' or '.join(scales)}")
+    error = Panel("error of the energy balance", tuple(errors), note=f"relative to {' or '.join(scales)}")
     panels = (*worth_showing([main], runs), *worth_showing([error], runs))
     return Sheet("energy", "Energy: changes since the start", panels)
 
