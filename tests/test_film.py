@@ -127,7 +127,7 @@ def test_behind_a_body_that_travels_lines_stand_still(path):
 
 def test_marks_of_the_ground_stand_still(path):
     """From the side a ground is a line with a hatch; two artists stay when the bar has moved, and no grid is drawn."""
-    ground = [np.array([(-2.0, y, 0.0), (23.0, y, 0.0)]) for y in (1.0, 0.0, -1.0)]
+    ground = np.array([[(-2.0, y, 0.0), (23.0, y, 0.0)] for y in (1.0, -1.0)])
     picture = _travelling(path, [ground])
     [hatch] = picture._ax.collections
     before = [segment.copy() for segment in hatch.get_segments()]

@@ -131,14 +131,14 @@ def _motion(scene):
             }
             for arrow in scene.arrows
         ],
-        "grounds": [_ground(lines, scene.size) for lines in scene.grounds],
+        "grounds": [_ground(sides, scene.size) for sides in scene.grounds],
     }  # fmt: skip
 
 
-def _ground(lines, size):
-    """Return the left and right line of a ground, and bars across it."""
-    pitch = max(BARS[0] * size, BARS[1] * float(np.linalg.norm(lines[1][-1] - lines[1][0])))
-    return [_floats(np.stack(lines[::2])), _floats(bars_across(lines, pitch))]
+def _ground(sides, size):
+    """Return the sides of a ground, and bars across it."""
+    pitch = max(BARS[0] * size, BARS[1] * float(np.linalg.norm(sides[0, -1] - sides[0, 0])))
+    return [_floats(sides), _floats(bars_across(sides, pitch))]
 
 
 def _shape(scene, i):

@@ -98,8 +98,8 @@ class _Picture:
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_locator(MultipleLocator(pitch))
         ax.grid(not scene.grounds)
-        for lines in scene.grounds:
-            draw_way(ax, self._flat(np.stack(lines[::2])), self._flat(bars_across(lines, pitch)))
+        for sides in scene.grounds:
+            draw_way(ax, self._flat(sides), self._flat(bars_across(sides, pitch)))
         self._time = figure.text(0.0, 0.0, "", color=INK)
         self._scale = figure.text(0.0, 0.0, f"lines every {pitch:g} m", color=GREY, ha="right")
         self._plain = colours_of(scene.shapes)

@@ -1,6 +1,6 @@
 """The ground of a wheel: its intersection with the plane of a side view, and lines on it along the path."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,10 +53,10 @@ def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) 
 
 def ground_path(
     deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float, beyond: float
-) -> Iterator[np.ndarray]:
-    """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m].
+) -> np.ndarray:
+    """Return the sides (2, k, 3) of a strip of ground along the path of a wheel with ``centres`` (n, 3) and ``radius``.
 
-    They continue by ``beyond`` [m] at both ends of the path.
+    It continues by ``beyond`` [m] at both ends of the path.
     """
     point, normal = plane_of(ground)
     way = (centres[:, -1] - centres[:, 0]).mean(axis=0)
@@ -70,18 +70,16 @@ def ground_path(
     distances = np.linspace(along.min() - beyond, along.max() + beyond, POINTS_OF_WAY if ground.get("profile") else 2)[
         :, None
     ]
-    for offset in (-aside, 0.0, aside):
-        points = middle + distances * way + offset * across
-        points -= ((points - point) @ normal)[:, None] * normal
-        yield _raised(deck, ground, points)
+    sides = middle + distances * way + np.array([-aside, aside])[:, None, None] * across
+    sides -= ((sides - point) @ normal)[..., None] * normal
+    return np.stack([_raised(deck, ground, points) for points in sides])
 
 
-def bars_across(lines: Sequence[np.ndarray], pitch: float) -> np.ndarray:
-    """Return bars (n, 2, 3) across a ground from its left to its right line, every ``pitch`` [m] along its middle."""
-    left, middle, right = lines
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))])
+def bars_across(sides: np.ndarray, pitch: float) -> np.ndarray:
+    """Return bars (n, 2, 3) across a ground between its ``sides`` (2, k, 3), every ``pitch`` [m] along the first."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(sides[0], axis=0), axis=1))])
     at = np.arange(0.0, way[-1], pitch)
-    return np.stack([np.stack([np.interp(at, way, x) for x in line.T], axis=1) for line in (left, right)], axis=1)
+    return np.stack([np.stack([np.interp(at, way, x) for x in side.T], axis=1) for side in sides], axis=1)
 
 
 def plane_of(ground: "Values") -> tuple[np.ndarray, np.ndarray]:

@@ -81,8 +81,8 @@ class Scene:
         The vertical, against gravity: an inertial axis.
     eye : (3,) array
         Unit vector to the eye that sees the mechanism best.
-    grounds : list of lists of three (k, 3) arrays
-        For each ground, lines on it along the path of the wheels: left, middle, right [m].
+    grounds : list of (2, k, 3) arrays
+        The sides of a strip of each ground, along the path of its wheels [m].
     """
 
     rows: np.ndarray
@@ -99,7 +99,7 @@ class Scene:
     size: float
     up: np.ndarray
     eye: np.ndarray
-    grounds: list[list[np.ndarray]]
+    grounds: list[np.ndarray]
 
     @property
     def follow(self) -> bool:
@@ -225,7 +225,7 @@ def _ranges(coloured):
 
 
 def _grounds(run, drawn, beyond):
-    """Return lines (k, 3), three of each ground, along the path of its wheels and ``beyond`` [m] its ends."""
+    """Yield the sides (2, k, 3) of each ground along the path of its wheels and ``beyond`` [m] its ends."""
     wheels: dict[str, list[np.ndarray]] = {}  # ground -> points of its wheels
     for shape in drawn:
         d = run.deck.get("elements", {}).get(shape.name, {})
@@ -234,4 +234,4 @@ def _grounds(run, drawn, beyond):
     for ground, points in wheels.items():
         centres = np.stack([one[:, -1] for one in points])
         radius = max(radius_of(one[0]) for one in points)
-        yield list(ground_path(run.deck, run.deck["grounds"][ground], centres, radius, beyond))
+        yield ground_path(run.deck, run.deck["grounds"][ground], centres, radius, beyond)
