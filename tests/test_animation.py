@@ -219,7 +219,12 @@ def test_a_body_that_travels_over_no_ground_passes_lines_at_rest(results, tmp_pa
     data = data_of(page)
     middle = np.zeros((len(floats(data["times"])), 3), "<f4")
     middle[:, 0] = np.linspace(0.0, 40.0 * data["size"], len(middle))
-    data |= {"grounds": [], "follow": True, "middle": base64.b64encode(middle.tobytes()).decode()}
+    data |= {
+        "grounds": [],
+        "follow": True,
+        "followed": [True, False, False],
+        "middle": base64.b64encode(middle.tobytes()).decode(),
+    }
     page.write_text(re.sub(r"const data = \{.*\};", lambda _: f"const data = {json.dumps(data)};", page.read_text()))
     lines = """
     const lines = solids.group.children.filter(part => part.isLineSegments);

@@ -113,7 +113,7 @@ def _travelling(path, grounds):
 def test_behind_a_body_that_travels_lines_stand_still(path):
     """A grid of round numbers of metres, of which the label names the distance."""
     picture = _travelling(path, [])
-    assert picture._scene.follow
+    assert picture._scene.followed.tolist() == [True, False, False]
     places = []
     for frame in range(2):
         picture.show(frame)
@@ -139,6 +139,19 @@ def test_marks_of_the_ground_stand_still(path):
     np.testing.assert_allclose(np.diff(starts[:, 0]), 0.2)
     np.testing.assert_allclose(starts[:, 1], 0.0, atol=1e-12)
     assert not any(line.get_visible() for line in picture._ax.get_xgridlines())
+
+
+def test_a_wheel_that_bounces_leaves_its_ground_in_the_view(path):
+    """The view follows the 20.3 m along x, but not the 0.5 m upward."""
+    scene, up = _travelling(path, [])._scene, np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 0.5)])
+    shapes = [replace(shape, points=shape.points + up[:, None]) for shape in scene.shapes]
+    picture = film._Picture(replace(scene, shapes=shapes, middle=scene.middle + up), SIDE, Figure())
+    views = []
+    for frame in range(2):
+        picture.show(frame)
+        views.append((*picture._ax.get_xlim(), *picture._ax.get_ylim()))
+    np.testing.assert_allclose(np.subtract(*views[::-1]), (20.3, 20.3, 0.0, 0.0), atol=1e-12)
+    assert views[0][2] < 1.0 and views[0][3] > 1.5
 
 
 def test_lines_behind_a_film_have_round_distances():

@@ -118,7 +118,8 @@ def _motion(scene):
     """Return times, shapes, colours, forces and grounds of a Scene as plain data."""
     return {
         "times": _floats(scene.times), "axis": scene.axis, "middle": _floats(scene.middle), "size": scene.size,
-        "follow": scene.follow, "up": scene.up.tolist(), "eye": scene.eye.tolist(), "quantities": scene.ranges,
+        "follow": bool(scene.followed.any()), "followed": scene.followed.tolist(),
+        "up": scene.up.tolist(), "eye": scene.eye.tolist(), "quantities": scene.ranges,
         "shapes": [_shape(scene, i) for i in range(len(scene.shapes))],
         "groups": [
             {"places": _floats((part.places - scene.middle) / scene.size), "turns": _floats(quaternions(part.turns))}

@@ -110,10 +110,10 @@ class _Picture:
         return points @ self._matrix.T
 
     def _limits(self):
-        """Set centre and half widths of the view: of the whole motion, or of the mechanism if the view follows it."""
-        scene = self._scene
-        shift = scene.middle[:, None] if scene.follow else 0.0
-        flat = np.concatenate([self._flat(s.points - shift).reshape(-1, 2) for s in scene.shapes])
+        """Set centre and half widths of the view: of the motion, apart from that along axes that the view follows."""
+        self._shift = self._scene.middle * self._scene.followed
+        points = np.concatenate([s.points - self._shift[:, None] for s in self._scene.shapes], axis=1)
+        flat = self._flat(points).reshape(-1, 2)
         low, high = flat.min(axis=0), flat.max(axis=0)
         self._middle, self._half = 0.5 * (low + high), half_widths(high - low)
 
@@ -154,7 +154,7 @@ class _Picture:
     def show(self, frame: int) -> None:
         """Update all artists to the saved time of index ``frame`` of the scene."""
         scene = self._scene
-        centre = self._middle + (self._flat(scene.middle[frame]) if scene.follow else 0.0)
+        centre = self._middle + self._flat(self._shift[frame])
         self._ax.set_xlim(centre[0] - self._half[0], centre[0] + self._half[0])
         self._ax.set_ylim(centre[1] - self._half[1], centre[1] + self._half[1])
         self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")

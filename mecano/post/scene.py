@@ -102,9 +102,9 @@ class Scene:
     grounds: list[np.ndarray]
 
     @property
-    def follow(self) -> bool:
-        """True if the mechanism travels so far that the view must follow it."""
-        return bool(np.ptp(self.middle, axis=0).max() > FAR * self.size)
+    def followed(self) -> np.ndarray:
+        """Inertial axes (3,) bool along which the mechanism travels so far that the view must follow it."""
+        return np.ptp(self.middle, axis=0) > FAR * self.size
 
 
 def scene_of(run: "Run", most: int) -> Scene:

@@ -13,6 +13,7 @@ class Motion {
     this.middle = floats(data.middle);
     this.size = data.size;
     this.follow = data.follow;
+    this.followed = data.follow ? data.followed : [true, true, true]; // axes, where the choice is to follow
     this.magnification = 1;
     this.whole = [0, 1, 2].map(k => {
       let low = Infinity, high = -Infinity;
@@ -32,7 +33,7 @@ class Motion {
 
   // Inertial coordinate k of the middle at a frame, from the origin of the view.
   shift(frame, k) {
-    return this.follow ? 0 : (this.middle[3 * frame + k] - this.whole[k]) / this.size;
+    return this.follow && this.followed[k] ? 0 : (this.middle[3 * frame + k] - this.whole[k]) / this.size;
   }
 
   // Point i of a shape at a frame, into the THREE.Vector3 out.

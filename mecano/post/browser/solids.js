@@ -220,7 +220,7 @@ class Solids {
     const { motion } = this;
     mesh.frustumCulled = false;
     this.group.add(mesh);
-    this.moving.push(frame => mesh.position.set(...[0, 1, 2].map(k => (motion.follow ? (motion.whole[k] - motion.middle[3 * frame + k]) / motion.size : 0))));
+    this.moving.push(frame => mesh.position.set(...[0, 1, 2].map(k => motion.shift(frame, k) - (motion.middle[3 * frame + k] - motion.whole[k]) / motion.size)));
   }
 
   // Forces: the longest of all frames has the length ARROW.
