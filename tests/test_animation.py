@@ -248,6 +248,23 @@ def test_the_view_holds_the_whole_motion(results, tmp_path):
 
 
 @browser
+def test_a_single_point_does_not_fill_the_view(results, tmp_path):
+    """It has room of half a metre on all sides; beside another shape a share of the size of both."""
+    page = animate(results / "winder.h5", tmp_path / "point.html")
+    alone, beside = asked(page, """
+    const point = motion.shapes.find(shape => shape.count === 1);
+    motion.count = 1;
+    const width = shapes => {
+      motion.shapes = shapes;
+      const x = stage.cloud().map(place => place.x);
+      return Math.max(...x) - Math.min(...x);
+    };
+    return [width([point]), width([point, point])];
+    """)  # fmt: skip
+    assert alone == pytest.approx(1.0, rel=1e-6) and beside == pytest.approx(0.12, rel=1e-5)
+
+
+@browser
 def test_magnified_deformation_leaves_what_is_held(results, tmp_path):
     """The hinge of the pendulum stays where it is; its tip goes ten times as far from the straight rod."""
     page = animate(results / "flexible_pendulum.h5", tmp_path / "bent.html")
