@@ -101,7 +101,7 @@ def draw(found):
     import matplotlib
     from matplotlib.figure import Figure
 
-    from mecano.post.style import SETTINGS
+    from mecano.post.style import COLOURS, SETTINGS
 
     with matplotlib.rc_context(SETTINGS):
         figure = Figure(figsize=(7.5, 4.0), layout="constrained")
@@ -111,7 +111,7 @@ def draw(found):
         for i, (name, rows) in enumerate(found.items()):
             for method, style in (("generalized_alpha", "--"), ("radau", "-")):
                 _, errors, _, cpu = zip(*rows[method], strict=True)
-                axes.plot(errors, cpu, style, marker=".", color=f"C{i}", label=f"{name}\n{NAMES[method]}")
+                axes.plot(errors, cpu, style, marker=".", color=COLOURS[i], label=f"{name}\n{NAMES[method]}")
         axes.invert_xaxis()
         axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
         figure.savefig(PICTURE, dpi=150)
