@@ -67,10 +67,9 @@ def ground_path(
     way /= np.linalg.norm(way)
     across, middle = np.cross(normal, way), centres.mean(axis=0)
     along, aside = (centres - middle) @ way, np.abs((centres - middle) @ across).max() + BESIDE * radius
-    distances = np.linspace(along.min() - beyond, along.max() + beyond, POINTS_OF_WAY if ground.get("profile") else 2)[
-        :, None
-    ]
-    sides = middle + distances * way + np.array([-aside, aside])[:, None, None] * across
+    count = POINTS_OF_WAY if ground.get("profile") else 2
+    distances = np.linspace(along.min() - beyond, along.max() + beyond, count)
+    sides = middle + distances[:, None] * way + np.array([-aside, aside])[:, None, None] * across
     sides -= ((sides - point) @ normal)[..., None] * normal
     return np.stack([_raised(deck, ground, points) for points in sides])
 
