@@ -213,8 +213,8 @@ def in_run(d, time):
     return _with_memory(kept_steps(d, time))
 
 
-def times(d, start, end):
-    """Return the time at which the value begins to change."""
+def sampling_times(d, start, end):
+    """Return the times at which derivatives of the value jump, as it begins to change at the start + T."""
     return [t for n in range(1, 6) if (t := start + n * d["time"]) < end]
 
 
@@ -223,7 +223,7 @@ DELAY = signal_of_input(
     same_unit_as=lambda d: d["input"],
     memory=_memory(FEWEST),
     arrival="arrival",
-    **named(residual, commit, in_run, times),
+    **named(residual, commit, in_run, sampling_times),
     follows_jumps=True,
     reads_past=True,
 )  # fmt: skip
