@@ -31,6 +31,7 @@ from mecano.solve.time.trials import Trials
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
+    from mecano.solve.time.consistent import Consistent
     from mecano.solve.time.ordinary_steps import OrdinarySteps
     from mecano.solve.time.radau_steps import RadauSteps
     from mecano.solve.time.step_info import StepInfo, Trial
@@ -334,7 +335,9 @@ class TimeIntegrator:
             dissipated=run.dissipated + float(work[-1][0]), given=run.given + float(work[-1][1]),
         )  # fmt: skip
 
-    def start_again(self, run, s, consistent=None, size=None):
+    def start_again(
+        self, run: RunState, s: "State", consistent: "Consistent | None" = None, size: float | None = None
+    ) -> RunState:
         """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner.
 
         ``size`` is that of the first step, if it is not the planned one.
