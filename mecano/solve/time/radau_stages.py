@@ -104,11 +104,12 @@ def measure_signals(w, r, share):
 def correct(w, r):
     """Subtract the correction (3, n) of material variations at ``turn`` and of reactions.
 
-    Return its largest component over the size of the unknown; inf if not finite.
+    Return its largest component over the size of the unknown; inf if not finite. ``moved`` is that without signals.
     """
     correction, turn, sizes = floats(r.correction, (3, w.n)), floats(r.turn, w.n_all), floats(r.sizes, w.n_q)
     theta, reactions = floats(r.increments, (3, w.n_q)), floats(r.reactions, (3, w.n_l))
-    change, worst = floats(r.scratch, w.n_q), 0.0
+    kind, change, worst = integers(w.kind, w.n_all), floats(r.scratch, w.n_q), 0.0
+    r.moved = 0.0
     for i in range(3):
         for d in range(w.n_q):
             change[d] = correction[i, d]
@@ -119,6 +120,7 @@ def correct(w, r):
             if not x <= HUGE:
                 return np.inf
             worst = max(worst, x)
+            r.moved = max(r.moved, x) if kind[d] < SIGNAL else r.moved
         for j in range(w.n_l):
             reactions[i, j] -= correction[i, w.n_q + j]
     return worst

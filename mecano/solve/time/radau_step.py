@@ -123,8 +123,8 @@ def iterate(w, r):
 def judge(w, r, last, renewed):
     """Return CONVERGED, NOT_FINITE or DIVERGES for the current correction and the ``last`` one, or -1 to continue.
 
-    A correction that grows is undone, and the next tangent evaluated at the stages, unless the tangent of this one was
-    ``renewed`` there.
+    A correction that grows is undone, and the next tangent evaluated at the stages, unless signals alone grow by one
+    with a ``renewed`` tangent: they follow from one another.
     """
     ratio = r.size / last if r.iterations > 1 else 1.0
     if not r.size < np.inf:
@@ -136,7 +136,7 @@ def judge(w, r, last, renewed):
     if at_rounding(r.size, ratio, ratio != 1.0, r.reach, 0.0):
         return CONVERGED
     if r.iterations > 1 and (ratio > SLOW or r.size * ratio ** (w.most - r.iterations) > r.goal):
-        if ratio > SLOW and not renewed:
+        if ratio > SLOW and not (renewed and r.moved <= SLOW * last):
             copy_numbers(r.kept_increments, r.increments, 3 * w.n_q)
             copy_numbers(r.kept_reactions, r.reactions, 3 * w.n_l)
             r.size = last

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 # Numbers and addresses of a step; the lengths of the arrays are those of the workspace. ``last_...``: of the last step.
 RADAU = fields(
-    floats="last_h tolerance constraint_tolerance goal size reach error drift unbalanced "
+    floats="last_h tolerance constraint_tolerance goal size moved reach error drift unbalanced "
     "amplified last_amplified least_amplified real complex_real complex_imaginary",
     words="known iterations has_rates projects projected "
     "nodes A D to_error to_cubic to_parabola to_real to_both from_both "
