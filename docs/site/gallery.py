@@ -68,7 +68,7 @@ FILMS = (
     "winder", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
-FILM_SIZE, FILM_STEP, FILM_QUALITY = (280, 225), 4, 50  # pixels, at most; every fourth frame
+FILM_SIZE, FILM_STEP, FILM_QUALITY = (280, 225), 4, 40  # pixels, at most; every fourth frame
 QUALITY = 70
 LOW = 0.35  # height over width, or its inverse, of a mechanism that leaves room for curves
 MOST_CURVES = 4
