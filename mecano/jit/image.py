@@ -21,11 +21,13 @@ JUMP = b"\xff\x25\0\0\0\0"  # jump to the address in the following slot of 8 byt
 ALIGNMENT = 64  # bytes
 
 
-def linked(symbol: str, code: bytes) -> bytes:
+def linked(symbol: str, code: bytes) -> bytes | None:
     """Return the image of an object file: a line with the place of the function ``symbol`` and the slots, the bytes.
 
-    Raises SystemError for an object file with other contents than LLVM generates for kernels.
+    Return None on other machines, or if the object file contains other relocations, which LLVM has to apply.
     """
+    if not POSSIBLE:
+        return None
     first, size, n, _ = HEADER.unpack_from(code)
     sections = [SECTION.unpack_from(code, first + i * size) for i in range(n)]
     image, places = bytearray(), {}
@@ -52,11 +54,16 @@ def linked(symbol: str, code: bytes) -> bytes:
         if kind == RELOCATIONS and of in places:
             for offset, information, addend in RELOCATION.iter_unpack(code[at : at + size]):
                 if information & 0xFFFFFFFF not in RELATIVE:
-                    raise SystemError(f"{symbol}: unexpected relocation of type {information & 0xFFFFFFFF}")
+                    return None
                 here = places[of] + offset
                 struct.pack_into("<i", image, here, place(information >> 32) + addend - here)
     entry = next(place(i) for i, one in enumerate(symbols) if names.startswith(symbol.encode() + b"\0", one[0]))
     return " ".join([str(entry), *(f"{name}:{at}" for name, at in slots.items())]).encode() + b"\n" + image
+
+
+def is_image(content: bytes) -> bool:
+    """Return whether the contents of a file of the store are an image, not an object file behind its symbol."""
+    return content[:1].isdigit()
 
 
 def load(images: list[bytes]) -> tuple[list[int], object]:

@@ -66,7 +66,7 @@ def compile_code(code):
 
             with compilation_errors(code.name):
                 symbol, machine_code = code.generate(compiler)
-            found = image.linked(symbol, machine_code) if image.POSSIBLE else symbol.encode() + b"\n" + machine_code
+            found = image.linked(symbol, machine_code) or symbol.encode() + b"\n" + machine_code
             store.write(code.file, found)
     return found
 
@@ -122,10 +122,16 @@ def compile_time():
 
 def _load(files):
     """Load the functions of ``files`` {name: contents} at once."""
-    if image.POSSIBLE:
-        load = image.load
-    else:
+    images = {file: content for file, content in files.items() if image.is_image(content)}
+    if images:
+        _load_by(image.load, images)
+    if len(images) < len(files):
         from mecano.jit.llvm import load  # takes long to import
+
+        _load_by(load, {file: content for file, content in files.items() if file not in images})
+
+
+def _load_by(load, files):
     with lock:
         addresses, kept = load([*files.values()])
         _kept.append(kept)
