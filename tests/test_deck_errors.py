@@ -27,7 +27,8 @@ STRUCTURE = [
     ("\"A wheel on a leg\"", "1.0", 2, "1.0",
      "'title' must be a text, got 1.0"),
     ("sink: 3.05", "sink: fast", 3, "fast",
-     "parameter 'sink': must be a number, got the text 'fast'"),
+     "parameter 'sink': must be a number, got the text 'fast'; a word is a name or a part of one, such as axle_$sink, "
+     "and no name here contains $sink"),
     ("sink: 3.05", "sink: $mas", 3, "$mas",
      "parameter 'sink': unknown parameter 'mas'; did you mean 'mass'?"),
     ("-9.81]", "-9.81, 0]", 4, "[0,",

@@ -21,7 +21,8 @@ def printed(text, overrides=()):
 def test_line_caret_hint_and_count():
     text = VALID.replace("axis: [0, 1, 0], stop_axis: [1, 0, 0]", "axsi: [0, 1, 0]").replace("sink: 3.05", "sink: x")
     assert printed(text, ["time.end=late"]) == (
-        "deck.yaml:3:20: parameter 'sink': must be a number, got the text 'x'\n"
+        "deck.yaml:3:20: parameter 'sink': must be a number, got the text 'x'; a word is a name or a part of one, such "
+        "as axle_$sink, and no name here contains $sink\n"
         "    parameters: {sink: x, mass: 82.0, steps: 4}\n"
         "                       ^\n"
         "deck.yaml:17:42: hinge 'pin': unknown key 'axsi'; did you mean 'axis'?\n"

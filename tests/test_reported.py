@@ -441,7 +441,7 @@ def test_an_error_of_a_conserved_kinetic_energy_is_compared_with_it(tmp_path):
     drawn = {sheet.name: sheet for sheet in default_sheets(open_runs([tmp_path / "reported.h5"]))}["energy"].panels[-1]
     saved = results["energy.balance"].values
     np.testing.assert_allclose(drawn.curves[0].y.values, (saved - saved[0]) / energy.maximum, rtol=1e-14)
-    assert drawn.note == "over the kinetic energy"
+    assert drawn.note == "relative to the kinetic energy"
 
 
 @pytest.mark.parametrize(
