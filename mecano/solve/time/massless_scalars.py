@@ -62,7 +62,7 @@ class MasslessScalars:
         def equations(s):
             assembly = self.system.assemble(s, cC=1.0, into=self._assembly)
             r = assembly.residual[self.own]
-            return r, self._block(assembly), RATE_TOLERANCE * assembly.size.max()
+            return r, lambda: self._block(assembly), RATE_TOLERANCE * assembly.size.max()
 
         self._search_rates(s, equations, FIRST_REACH)
 
@@ -78,20 +78,24 @@ class MasslessScalars:
         return (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
 
     def _fast_drift(self, s, fast, dt):
-        """Return the drift of fast unknowns, its derivative by the rates, and what is rounding.
+        """Return the drift of fast unknowns, a function of its derivative by the rates, and what is rounding.
 
         Friction of a tyre that touches down, for example, depends on the rates only later.
         """
-        steady, J = s.unaccelerated(), self._tangent(s, cK=1.0)
-        for i, weight in enumerate((-3.0, 4.0, -1.0)):
-            J += weight / (2.0 * dt) * self._tangent(moved(steady, i * dt, self.system.numbering), cC=1.0)
-        return fast @ self._drift(s, dt), fast @ J, ROUNDING * np.abs(s.v[self.own]).max()
+
+        def derivative():
+            steady, J = s.unaccelerated(), self._tangent(s, cK=1.0)
+            for i, weight in enumerate((-3.0, 4.0, -1.0)):
+                J += weight / (2.0 * dt) * self._tangent(moved(steady, i * dt, self.system.numbering), cC=1.0)
+            return fast @ J
+
+        return fast @ self._drift(s, dt), derivative, ROUNDING * np.abs(s.v[self.own]).max()
 
     def _search_rates(self, s, equations, reach):
         """Set the rates of these unknowns of ``s`` in place, solutions of ``equations`` (Levenberg).
 
-        equations(s) returns residuals (n,), their derivative by the rates, and the largest residual of a solution. No
-        first change exceeds ``reach``.
+        equations(s) returns residuals (n,), a function that returns their derivative by the rates, called where
+        they are accepted, and the largest residual of a solution. No first change exceeds ``reach``.
         """
         best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
         own, change = self.own, np.zeros(len(self.own))
@@ -104,7 +108,7 @@ class MasslessScalars:
             # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
             # keeps its direction the next step goes further
             if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
-                best, rates, reach, J = (size, r), s.v[own].copy(), 2.0 * reach, derivative
+                best, rates, reach, J = (size, r), s.v[own].copy(), 2.0 * reach, derivative()
             else:
                 reach = 0.25 * min(reach, float(np.linalg.norm(change)))
                 if reach <= ROUNDING * np.abs(rates).max():
