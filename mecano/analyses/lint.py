@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 WIDE = 20.0  # sizes of the model: a ship whose deck carries a wheel has 10, and kg mm2 for kg m2 give 300 and more
 PAID_OUT = 2.0  # factor by which a natural length may change before its constant mass is reported
 MOST_NAMED = 10  # warnings of one type
-NAMES_AND_NUMBERS = re.compile(r"'[^']*'|\bnode [^:]*:|\d")  # in which the warnings about copies of one entry differ
+NAMES_AND_NUMBERS = r"'[^']*'|\bnode [^:]*:|\d"  # in which the warnings about copies of one entry differ
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
 
@@ -84,7 +84,7 @@ def _without_copies(problems):
     """Return the first of the problems that are alike at each place in the deck, with the number of their copies."""
     places: dict[tuple[str, str], list[Problem]] = {}
     for problem in problems:
-        places.setdefault((str(problem.mark), NAMES_AND_NUMBERS.sub("", problem.message)), []).append(problem)
+        places.setdefault((str(problem.mark), re.sub(NAMES_AND_NUMBERS, "", problem.message)), []).append(problem)
     others = [(first, len(alike)) for first, *alike in places.values()]
     return [
         Problem(one.message + (f" (and {n} more {'copy' if n == 1 else 'copies'} of it)" if n else ""), one.mark)

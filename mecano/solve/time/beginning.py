@@ -69,9 +69,10 @@ class Beginning:
 
     def _sampled(self, run):
         """Return the run with samples and delayed inputs that begin with its velocities and reactions."""
-        past, memory = self.system.places_of_past, run.motion.memory.copy()
+        past = self.system.places_of_past
         if not past.size or not self.samples:
             return run
+        memory = run.motion.memory.copy()
         memory[past] = 0.0
         s = solve_signals(self.system, replace(run.motion.copy(), memory=memory))
         memory[past] = self.system.commit(s)[past]

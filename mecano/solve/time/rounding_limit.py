@@ -34,8 +34,8 @@ class RoundingLimit:
     def __init__(self, control: "StepControl", method: "Method"):
         self.control, self.method = control, method
         self._begun: tuple[int, int] | None = None  # accepted and rejected steps when rounding began to matter
-        nodes = [np.abs(node.x).max() / method.length for node in method.system.nodes]
-        self._most = FAR * max(nodes, default=1.0)  # reach of a motion that grows without bound
+        # reach of a motion that grows without bound
+        self._most = FAR * max([1.0, *(np.abs(node.x).max() / method.length for node in method.system.nodes)])
 
     def refuse(self, run: "RunState", cuts: int) -> None:
         """Raise ConvergenceError if the last trials were rejected because of rounding, or the motion left all bounds.
@@ -47,7 +47,7 @@ class RoundingLimit:
             self._begun = None
             return
         reach = reach_of(run.motion.z, self.method.system.numbering, self.method.length)
-        if reach > max(self._most, FAR):
+        if reach > self._most:
             raise self._runaway(run, reach)
         begun = self._begun = self._begun or here
         steps, rejected = here[0] - begun[0], here[1] - begun[1]
