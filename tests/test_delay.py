@@ -95,41 +95,38 @@ def test_a_resumed_delay_has_the_same_bits(step, tmp_path):
     check_same(contents(tmp_path / "resumed.h5"), contents(tmp_path / "whole.h5"))
 
 
-@pytest.mark.parametrize("start", [-5.0, 1000.0])
-def test_a_jump_arrives_at_any_time(start):
-    """A force of 2 N on 1 kg from 0.1 s to 0.3 s after the start, 70 ms late; steps end where it begins and ends."""
-    on = f"{{type: switch, input: abs(time - {start + 0.2!r}), upper: 0.1, high: 0, low: 2}}"
+def last_velocity(signals, time):
+    """Return the velocity [m/s] at the end of a mass of 1 kg on which one of the ``signals``, ``late`` [N], acts."""
     m = RecordedRun(
         deck(f"""
         mecano: 1
         gravity: none
         nodes: {{m: {{position: [0, 0, 0]}}}}
         elements: {{m: {{type: point_mass, node: m, mass: 1}}}}
-        signals: {{on: {on}, late: {{type: delay, input: on, time: 70 ms}}}}
+        signals: {{{signals}}}
         loads: {{push: {{type: force, node: m, direction: [1, 0, 0], value: late}}}}
-        time: {{start: {start}, end: {start + 1.0}, step: 11 ms}}
+        time: {{{time}}}
     """)
     )
-    assert m["nodes/m/velocity"][-1, 0] == pytest.approx(0.4, abs=1e-8)
+    return m["nodes/m/velocity"][-1, 0]
+
+
+@pytest.mark.parametrize("start", [-5.0, 1000.0])
+def test_a_jump_arrives_at_any_time(start):
+    """A force of 2 N on 1 kg from 0.1 s to 0.3 s after the start, 70 ms late; steps end where it begins and ends."""
+    on = f"on: {{type: switch, input: abs(time - {start + 0.2!r}), upper: 0.1, high: 0, low: 2}}"
+    found = last_velocity(
+        f"{on}, late: {{type: delay, input: on, time: 70 ms}}", f"start: {start}, end: {start + 1.0}, step: 11 ms"
+    )
+    assert found == pytest.approx(0.4, abs=1e-8)
 
 
 @pytest.mark.parametrize("late", ["delay, time: 70 ms", "sample_and_hold, period: 70 ms"])
 def test_the_past_of_a_switch_is_that_of_the_start(late):
     """It is on at the start, and off from 1 s on: a force of -3 N on 1 kg in all of the first second, late or not."""
-    m = RecordedRun(
-        deck(f"""
-        mecano: 1
-        gravity: none
-        nodes: {{m: {{position: [0, 0, 0]}}}}
-        elements: {{m: {{type: point_mass, node: m, mass: 1}}}}
-        signals:
-          on: {{type: switch, input: 1 - time, upper: 0, high: -3, low: 100}}
-          late: {{type: {late}, input: on}}
-        loads: {{push: {{type: force, node: m, direction: [1, 0, 0], value: late}}}}
-        time: {{end: 1, step: 10 ms}}
-    """)
-    )
-    assert m["nodes/m/velocity"][-1, 0] == pytest.approx(-3.0, abs=1e-9)
+    on = "on: {type: switch, input: 1 - time, upper: 0, high: -3, low: 100}"
+    found = last_velocity(f"{on}, late: {{type: {late}, input: on}}", "end: 1, step: 10 ms")
+    assert found == pytest.approx(-3.0, abs=1e-9)
 
 
 def texts(checked):
