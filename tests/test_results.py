@@ -18,7 +18,7 @@ from mecano.results import empty_file
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup, similar_outputs
 from mecano.results.opening import cut_short
-from mecano.results.provenance import Source, is_running, threads
+from mecano.results.provenance import Source, is_running
 from mecano.results.reader import open_results
 from mecano.results.recorded import Event
 from mecano.results.state import load_state, save_state
@@ -68,12 +68,6 @@ def test_metadata(finished):
     assert metadata["threads"] == 1 and metadata["process"] == os.getpid() and metadata["format_version"] == 1
     assert metadata["command_line"] and metadata["host"] and metadata["started"] and metadata["processor"]
     assert 0 < metadata["wall_time"] < 60 and metadata["processor_time"] > 0
-
-
-@pytest.mark.parametrize(("given", "used"), [("3", 3), ("", os.cpu_count()), ("²", os.cpu_count())])
-def test_the_number_of_threads_is_that_of_the_environment_or_of_the_processors(monkeypatch, given, used):
-    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
-    assert threads() == used
 
 
 def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):

@@ -7,11 +7,13 @@ import numpy as np
 
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck
 from mecano.interface.saved_state import SavedState, saved_state
+from mecano.process.cores import bounded_blas
 
 if TYPE_CHECKING:
     from mecano.analyses.margins import Margins
 
 
+@bounded_blas()
 def margins(
     deck: AnyDeck, path: AnyPath | None = None, *, open_loop: str, low: float | None = None, high: float | None = None,
     number: int = 200, linear: bool = False, set: Values | None = None, at: SavedState | None = None,

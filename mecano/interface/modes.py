@@ -9,9 +9,11 @@ from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck
 from mecano.interface.results import preformatted
 from mecano.interface.saved_state import SavedState, saved_state
 from mecano.interface.solving import require
+from mecano.process.cores import bounded_blas
 from mecano.solve.modal import SOLVERS
 
 
+@bounded_blas()
 def modes(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None,
     at: SavedState | None = None, at_rest: bool = False, number: int = 10,

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck
 from mecano.interface.saved_state import SavedState, saved_state
+from mecano.process.cores import bounded_blas
 
 if TYPE_CHECKING:
     from mecano.analyses.response import Response
 
 
+@bounded_blas()
 def response(
     deck: AnyDeck, path: AnyPath | None = None, *, inputs: str | Sequence[str], outputs: str | Sequence[str],
     low: float, high: float, number: int = 200, linear: bool = False, refined: bool = True,

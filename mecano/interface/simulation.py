@@ -12,6 +12,7 @@ from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results
 from mecano.interface.solving import interruptible, refuse_both, resuming
+from mecano.process.cores import bounded_blas
 from mecano.process.interrupt import Interruption
 from mecano.results.lookup import ByName, Lookup, require_names
 from mecano.results.recorded import MAGNITUDE
@@ -67,10 +68,12 @@ class Simulation(ByName):
         if self._run is not None:
             raise UsageError("a Simulation has one block: make another one, or continue its file with resume=True")
         self._file = os.path.abspath(self.path)  # also after os.chdir in the block
-        self._run = self._open.enter_context(self._begun())
-        if self._run is None:
-            self._open.close()
-            raise UsageError(f"{self.path} is complete: there is nothing to resume")
+        with ExitStack() as opened:
+            opened.enter_context(bounded_blas())
+            self._run = opened.enter_context(self._begun())
+            if self._run is None:
+                raise UsageError(f"{self.path} is complete: there is nothing to resume")
+            self._open = opened.pop_all()
         columns = self._run.recorder.sampler.columns
         self._starts = {column.path: column.start for column in columns}
         return self

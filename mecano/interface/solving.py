@@ -13,9 +13,11 @@ from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results, preformatted
 from mecano.interface.run_with_progress import run_with_progress
+from mecano.process.cores import bounded_blas
 from mecano.process.interrupt import Interruption
 
 
+@bounded_blas()
 def run(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False, resume: bool = False,
     checkpoint: float | None = None, quiet: bool = False,
@@ -71,6 +73,7 @@ def run(
     return Results(path)
 
 
+@bounded_blas()
 def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
     """Check a deck without running it.
 
@@ -98,14 +101,14 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """Summary of a model before a run; ``mobility`` is None if it was not computed."""
+    """Summary of a model before a run."""
 
     mass: float  # [kg]
     unknowns: int
     degrees_of_freedom: int
     multipliers: int
     redundant_constraints: int
-    mobility: int | None = None
+    mobility: int
     warnings: tuple[str, ...] = ()
     text: str = field(repr=False)
 

@@ -17,6 +17,7 @@ import mecano
 from mecano.element_interface import SECTIONS, Display
 from mecano.immutable import immutable
 from mecano.jit import thread_pool
+from mecano.process.cores import blas_threads
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
@@ -89,7 +90,7 @@ def provenance() -> dict[str, str | int]:
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command_line": " ".join(sys.argv),
         "directory": os.getcwd(),
-        "threads": threads(),
+        "threads": blas_threads(),
         "solver_threads": thread_pool.threads(),
         "process": os.getpid(),
         "host": platform.node(),
@@ -140,12 +141,6 @@ def _process_status(process):
             return file.read().rpartition(")")[2].split()
     except OSError:
         return []
-
-
-def threads() -> int:
-    """Return the number of threads of NumPy's and SciPy's linear algebra, on which the last digits depend."""
-    given = os.environ.get("OPENBLAS_NUM_THREADS", "")
-    return int(given) if given.isdecimal() else os.cpu_count() or 1
 
 
 def _version(package):
