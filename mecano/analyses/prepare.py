@@ -22,7 +22,7 @@ from mecano.model.system import System
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
-from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Group, analyse
+from mecano.solve.diagnostics.mobility import Analysis, Group, analyse
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
@@ -232,7 +232,7 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
 
     ``start`` is the initial RunState; ``begun`` is the model in the state of the deck, if ``prepared`` is in another.
     """
-    texts, analysis = [*prepared.carried], prepared.analysis
+    texts = [*prepared.carried]
     if start is not None:
         texts += changed_velocities(prepared.deck, prepared.system, prepared.state, start.motion, prepared.length)
         texts += _released_at_start(prepared, start.motion.phases)
@@ -248,11 +248,6 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
             "these constraints are not unique"
         )
         texts += _dependent_on_reactions(prepared.system, group)
-    if not analysis.complete:
-        texts.append(
-            f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
-            "expects some to be redundant"
-        )
     texts += warnings_of(begun or prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
         texts.append("nothing in the model has a mass: is this intended?")
@@ -284,7 +279,7 @@ def _is_immobile(prepared):
     """Return whether the constraints hold everything in place, and no event can change that."""
     elements = prepared.system.model.elements
     driven = any(element.kind.drives(element.values) or element.values.get("driven") for element in elements)
-    held = prepared.analysis.complete and prepared.analysis.mobility == 0
+    held = prepared.analysis.mobility == 0
     return held and not driven and prepared.system.n_events == 0
 
 
@@ -297,10 +292,9 @@ def amount_warnings(prepared: Prepared) -> list[str]:
 def model_facts(prepared: Prepared) -> dict[str, Any]:
     """Return properties of the model for the results file: mass [kg], unknowns, mobility, redundant constraints."""
     system, analysis = prepared.system, prepared.analysis
-    known = {"mobility": analysis.mobility} if analysis.complete else {}
     return {
         "mass": mass_of(system), "unknowns": system.n, "degrees_of_freedom": system.n_q, "multipliers": system.n_l,
-        **known, "redundant_constraints": sum(group.count for group in prepared.redundant),
+        "mobility": analysis.mobility, "redundant_constraints": sum(group.count for group in prepared.redundant),
     }  # fmt: skip
 
 

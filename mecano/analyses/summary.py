@@ -14,7 +14,7 @@ from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
 from mecano.errors import AssemblyError, name_list
 from mecano.process.interrupt import call_interruptibly
-from mecano.solve.diagnostics.mobility import DENSE_ROWS
+from mecano.solve.diagnostics.mobility import MANY
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 from mecano.solve.time.consistent import Consistent
 
@@ -39,7 +39,7 @@ def summary(deck: "Deck", every: bool = False) -> str:
 
 def summary_of(prepared: Prepared, every: bool = False) -> str:
     """Return the summary of a Prepared model as text, see ``summary``."""
-    system, analysis, deck = prepared.system, prepared.analysis, prepared.deck
+    system, deck = prepared.system, prepared.deck
     values = deck.values
     lines = [
         f"{deck.file}: {values['title'] or 'no title'}",
@@ -55,9 +55,6 @@ def summary_of(prepared: Prepared, every: bool = False) -> str:
         *(line for text in prepared.carried for line in _labelled("start", text)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
-    if not analysis.complete:
-        text = f"mobility         not computed: more than {DENSE_ROWS} constraints form closed loops"
-        return "\n".join([*lines, text])
     lines += call_interruptibly(lambda: list(_mobility(prepared, every)))
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
@@ -91,7 +88,7 @@ def _mobility(prepared, every):
     yield text
     found = analysis.mechanisms if stiff is None else stiff
     if found is None:
-        yield f"  free motions are not listed for more than {DENSE_ROWS} degrees of freedom"
+        yield f"  free motions are not listed for more than {MANY} degrees of freedom"
     for text in _free(found or (), every):
         yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
 

@@ -19,7 +19,8 @@ from mecano.laws.law_table import LawTable
 from mecano.model.model import Element, Model
 from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
-from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Entries, Group, dependent_rows, gradient, groups
+from mecano.solve.diagnostics.mobility import Analysis, Group, gradient, groups
+from mecano.solve.diagnostics.null_space import Entries, left_null_space
 
 if TYPE_CHECKING:
     from mecano.element_interface import Kind
@@ -27,22 +28,16 @@ if TYPE_CHECKING:
 
 PARTS = {"x": "force {}", "R": "moment about initial {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
+MANY = 3000  # constraints above which contradictory ones are not named
 SMALL = 1e-6  # of the largest reaction: smaller ones count as zero
 
 
 def redundant_groups(system: System, s: "State", length: float, analysis: Analysis) -> tuple[Group, ...]:
-    """Return the groups of redundant constraints at ``s``, with all joints involved.
-
-    With more than ``DENSE_ROWS`` constraints in closed loops, the groups are those of the ``analysis`` of ``s``, which
-    name no joints that share unknowns.
-    """
-    if not analysis.complete or not (analysis.redundant or _identified_twice(system)):
-        return analysis.redundant
+    """Return the groups of redundant constraints at ``s``, with all joints involved; ``analysis`` is that of ``s``."""
+    if not (analysis.redundant or _identified_twice(system)):
+        return ()
     B, _, names, group, holds = _without_identifications(system, s, length)
-    loops, null = dependent_rows(B, group, holds)
-    if null is None:
-        return analysis.redundant
-    return groups(null @ null.T, [names[row] for row in loops], lambda: names)
+    return groups(left_null_space(B, group, holds), names, lambda: names)
 
 
 def by_same_joints(found: Iterable[Group]) -> tuple[Group, ...]:
@@ -67,7 +62,7 @@ def contradicting(system: System, s: "State", length: float, phi: np.ndarray) ->
     small are named.
     """
     B, size, names, _, _ = _without_identifications(system, s, length)
-    if B.shape[0] > DENSE_ROWS:
+    if B.shape[0] > MANY:
         return []
     rows, n_l = B.dense(np.arange(B.shape[0])), len(size)
     reactions = phi * size

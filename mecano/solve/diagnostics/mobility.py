@@ -5,10 +5,10 @@ null space of B couples redundant constraints, its null space couples unknowns t
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,15 +16,15 @@ from mecano.immutable import immutable
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.numbering import ROTATION, EquationName
 from mecano.solve.diagnostics.constraint_names import by_joint
+from mecano.solve.diagnostics.null_space import RANK_TOLERANCE, Entries, NullSpace, left_null_space, rows_by_groups
 
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
 NEARLY = 0.99  # of the largest value: larger ones count as equal to it
-DENSE_ROWS = 3000  # with more constraints in closed loops, or more unknowns, no singular values are computed
+MANY = 100_000  # unknowns above which free motions are not listed
 
 
 @immutable
@@ -40,40 +40,19 @@ class Group:
         return by_joint(self.names, self.totals, most)
 
 
-class Entries(NamedTuple):
-    """Sparse matrix in coordinate form without duplicate entries."""
-
-    rows: np.ndarray
-    cols: np.ndarray
-    values: np.ndarray
-    shape: tuple[int, int]
-
-    def dense(self, rows: np.ndarray) -> np.ndarray:
-        """Return the given rows (m,) as a dense matrix (m, n)."""
-        place = np.full(self.shape[0], -1)
-        place[rows] = np.arange(len(rows))
-        at = np.flatnonzero(place[self.rows] >= 0)
-        out = np.zeros((len(rows), self.shape[1]))
-        out[place[self.rows[at]], self.cols[at]] = self.values[at]
-        return out
-
-
 @immutable
 class Analysis:
-    """Mobility of a model at one configuration.
-
-    ``complete`` is False if the rank is unknown because of too many constraints in closed loops.
-    """
+    """Mobility of a model at one configuration."""
 
     rank: int
     redundant: tuple[Group, ...]
     dependent: SparseRows | None  # projector (n_l, n_l) on the reactions in redundancies, see ``_directions``
     release_matrix: SparseRows | None  # (n_l, n_l) whose rows times reactions vanish, see ``_repeated``
     gradient: Entries
+    group: np.ndarray  # (n_q,) nodes of the unknowns
     names: Sequence[EquationName]  # of the unknowns first, then of others
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     active: np.ndarray  # (n_l,) bool: constraints that hold in the phases of the configuration
-    complete: bool = True
 
     @property
     def mobility(self) -> int:
@@ -82,20 +61,13 @@ class Analysis:
 
     @cached_property
     def mechanisms(self) -> tuple[Group, ...] | None:
-        """Groups of unknowns that can move together; None if there are too many unknowns or the rank is unknown.
+        """Groups of unknowns that can move together; None if there are too many unknowns.
 
-        Computed on demand, because a run does not need it and the decomposition of all constraints takes time.
+        Computed on demand, because a run does not need it.
         """
-        if not self.small:
+        if self.gradient.shape[1] > MANY:
             return None
-        projector = _null_projector(self.gradient.dense(np.arange(self.gradient.shape[0])), self.rank)
-        projector[self.signals] = projector[:, self.signals] = 0.0
-        return groups(projector, self.motions)
-
-    @property
-    def small(self) -> bool:
-        """True if the rank is known and the unknowns are few enough for a decomposition."""
-        return self.complete and self.gradient.shape[1] <= DENSE_ROWS
+        return groups(allowed_motions(self.gradient, self.group, ~self.signals), self.motions)
 
     @property
     def motions(self) -> list[EquationName]:
@@ -112,21 +84,18 @@ def analyse(system: "System", s: "State", length: float) -> Analysis:
     """Return the Analysis of ``system`` at ``s``; rotations are multiplied by the length scale."""
     B, size, holds = gradient(system, s, length)
     of = system.numbering
-    (loops, null), n_l, names = dependent_rows(B, of.group, holds), int(holds.sum()), of.name
-    if null is None:
-        rows = np.flatnonzero(holds)
-        identity = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
-        return Analysis(n_l, (), identity, None, B, names, system.signals, holds, False)
-    redundant = groups(
-        null @ null.T, [of.name[of.n_q + i] for i in loops], lambda: of.name[of.n_q : of.n_q + system.n_l]
-    )
-    rank = n_l - null.shape[1]
-    rows, shares, null = _repeated(null, of.of_rates[loops])
-    release_matrix = (
-        _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
-    )
-    dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
-    return Analysis(rank, redundant, dependent, release_matrix, B, names, system.signals, holds)
+    null = left_null_space(B, of.group, holds)
+    loops, rank = null.members, int(holds.sum()) - null.dimension
+    redundant = groups(null, of.name[of.n_q :], lambda: of.name[of.n_q : of.n_q + system.n_l])
+    release_matrix = None
+    if of.of_rates[loops].any():
+        rows, shares, basis = _repeated(null.dense(loops), of.of_rates[loops])
+        if rows:
+            null = NullSpace(system.n_l, ((loops, basis),))
+            shares = shares * size[loops] / size[loops[rows], None]
+            release_matrix = _spread(shares, loops[rows], loops, system.n_l)
+    dependent = _directions(system, null, size) if null.dimension else None
+    return Analysis(rank, redundant, dependent, release_matrix, B, of.group, of.name, system.signals, holds)
 
 
 def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.ndarray, np.ndarray]:
@@ -148,62 +117,15 @@ def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.n
     return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
-def dependent_rows(B: Entries, group: np.ndarray, holds: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return (indices (m,) of the rows of B in closed loops, orthonormal basis (m, d) of their left null space).
+def allowed_motions(B: Entries, group: np.ndarray, moves: np.ndarray) -> NullSpace:
+    """Return the space of motions (n_q,) with B dq = 0 of the unknowns that ``moves`` (n_q,) bool selects.
 
-    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the index of the node of each column,
-    ``holds`` (bool) selects the rows that are active.
+    ``group`` (n_q,) are the nodes of the unknowns; constraints between the same nodes are eliminated together.
     """
-    loops = in_loops(B, group)
-    loops = loops[holds[loops]]
-    return loops, (None if len(loops) > DENSE_ROWS else _left_null(B.dense(loops)))
-
-
-def in_loops(B: Entries, group: np.ndarray) -> np.ndarray:
-    """Return the indices (n,) of the rows of B in closed loops; ``group`` (n_q,) are the nodes of its columns.
-
-    Rows whose columns of one node are independent of all other rows are removed repeatedly: open chains are removed
-    from their ends, closed loops remain.
-    """
-    alive = np.ones(B.shape[0], bool)
-    blocks = [_block(B, entries) for entries in _by_node(B, group)]
-    nodes_of: list[list[int]] = [[] for _ in range(B.shape[0])]
-    for node, (rows, _) in enumerate(blocks):
-        for row in rows:
-            nodes_of[row].append(node)
-    todo = set(range(len(blocks)))
-    while todo:
-        rows, block = blocks[todo.pop()]
-        kept = alive[rows]
-        rows, block = rows[kept], block[kept]
-        if 0 < len(rows) <= block.shape[1] and np.linalg.svd(block, compute_uv=False)[-1] > 1e-6:
-            alive[rows] = False
-            todo.update(other for row in rows for other in nodes_of[row])
-    return np.flatnonzero(alive)
-
-
-def _by_node(B, group):
-    """Return, for each constrained node, the indices of its entries of B."""
-    node = group[B.cols]
-    order = np.argsort(node, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(node[order])) + 1)
-
-
-def _block(B, entries):
-    """Return (rows (m,) of some entries, dense matrix (m, n) of these rows and of the columns of the entries)."""
-    rows, i = np.unique(B.rows[entries], return_inverse=True)
-    cols, j = np.unique(B.cols[entries], return_inverse=True)
-    block = np.zeros((len(rows), len(cols)))
-    block[i, j] = B.values[entries]
-    return rows, block
-
-
-def _left_null(B):
-    """Return an orthonormal basis (m, d) of the y with B^T y = 0."""
-    if not B.size:
-        return np.eye(B.shape[0])
-    U, sigma, _ = np.linalg.svd(B, full_matrices=True)
-    return U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
+    between = np.zeros(B.shape[0], np.int64)
+    for number, rows in enumerate(rows_by_groups(B, group, np.arange(B.shape[0])).values()):
+        between[rows] = number
+    return left_null_space(B.transpose, between, moves)
 
 
 def _repeated(null, of_rates):
@@ -234,71 +156,41 @@ def _spread(block, rows, cols, n):
     return sparse_rows(rows[i], cols[j], block[i, j], n)
 
 
-def _null_projector(B, rank):
-    """Return the projector (n, n) on the motions dq with B dq = 0."""
-    if not rank:
-        return np.eye(B.shape[1])
-    _, _, Vt = np.linalg.svd(B, full_matrices=False)
-    span = Vt[:rank]
-    return np.eye(B.shape[1]) - span.T @ span
-
-
-def _directions(system, projector, loops, size):
+def _directions(system, null, size):
     """Return the projector (n_l, n_l), a block for each element, on the directions of its reactions in redundancies.
 
     Directions, not rows, make the result independent of the axes in which the constraints are written.
     """
-    place = {row: i for i, row in enumerate(loops)}
-    rows, cols, values = [], [], []
+    of_element, number = np.full(system.n_l, -1), 0
     for element in (rows for batch in system.batches for rows in batch.multipliers):
-        members = [row for row in element if row in place]
-        if not members:
-            continue
-        at = [place[row] for row in members]
+        of_element[element], number = number, number + 1
+    rows, cols, values = [], [], []
+    for members, projector in null.among(of_element).values():
         scale = 1.0 / size[members]
-        block = scale[:, None] * projector[np.ix_(at, at)] * scale
-        share, direction = np.linalg.eigh(block)
+        share, direction = np.linalg.eigh(scale[:, None] * projector * scale)
         direction = direction[:, share > SHARE * np.max(scale, initial=0.0) ** 2]
-        rows += np.repeat(members, len(members)).tolist()
-        cols += members * len(members)
-        values += (direction @ direction.T).ravel().tolist()
-    kept = np.abs(values) >= SHARE
-    return sparse_rows(
-        np.array(rows, np.int64)[kept], np.array(cols, np.int64)[kept], np.array(values, float)[kept], system.n_l
-    )
+        rows.append(np.repeat(members, len(members)))
+        cols.append(np.tile(members, len(members)))
+        values.append((direction @ direction.T).ravel())
+    entries = np.concatenate(values)
+    kept = np.abs(entries) >= SHARE
+    return sparse_rows(np.concatenate(rows)[kept], np.concatenate(cols)[kept], entries[kept], system.n_l)
 
 
 def groups(
-    projector: np.ndarray, names: Sequence[EquationName], every: Callable[[], Iterable[EquationName]] = tuple
+    null: NullSpace, names: Sequence[EquationName], every: Callable[[], Iterable[EquationName]] = tuple
 ) -> tuple[Group, ...]:
-    """Return the Groups of ``names`` that a ``projector`` couples, each with its dimension.
+    """Return the Groups of ``names`` (n,) that the vectors of a space couple, each with its dimension.
 
     Groups with the same names, such as those of one joint about two axes, are merged, and list a name twice.
     ``every()`` returns the names of all constraints, ``names`` included; it is called only if there are groups, as a
     large model has many names.
     """
-    taking_part = np.flatnonzero(np.diag(projector) > SHARE)
-    if not len(taking_part):
-        return ()
     found: dict[tuple[EquationName, ...], tuple[int, list[EquationName]]] = {}
-    for component in connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
-        members = taking_part[component]
+    for members in null.components():
         of = [names[i] for i in members]
         count, alike = found.get(tuple(dict.fromkeys(of)), (0, []))
-        count += int(round(float(np.trace(projector[np.ix_(members, members)]))))
+        count += int(round(float(null.shares[members].sum())))
         found[tuple(dict.fromkeys(of))] = count, [*alike, *of]
-    totals = Counter(name.place for name in every())
+    totals = Counter(name.place for name in every()) if found else Counter()
     return tuple(Group(count, tuple(of), totals) for count, of in found.values())
-
-
-def connected(coupled: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
-    coupled, unvisited = coupled | coupled.T, np.ones(len(coupled), bool)
-    while unvisited.any():
-        component, reached = np.zeros_like(unvisited), np.zeros_like(unvisited)
-        reached[np.argmax(unvisited)] = True
-        while reached.any():
-            component |= reached
-            reached = coupled[reached].any(axis=0) & ~component
-        unvisited &= ~component
-        yield component

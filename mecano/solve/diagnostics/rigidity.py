@@ -12,7 +12,8 @@ import numpy as np
 
 from mecano.maths.vector import skew
 from mecano.model.numbering import SCALAR, Classes
-from mecano.solve.diagnostics.mobility import RANK_TOLERANCE, Analysis, Group, groups
+from mecano.solve.diagnostics.mobility import MANY, Analysis, Group, groups
+from mecano.solve.diagnostics.null_space import Entries, NullSpace, left_null_space
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -26,13 +27,20 @@ def stiff_mechanisms(system: "System", s: "State", length: float, analysis: Anal
     which rotations are multiplied by the length scale.
     """
     bodies, resting = _bodies(system), _resting(system)
-    if not (bodies or resting.any()) or not analysis.small:
+    if not (bodies or resting.any()) or system.n_q > MANY:
         return None
+    from scipy.sparse import csr_matrix, vstack  # few models need it
+
     T, ties = _as_bodies(system, s, length, bodies, resting)
-    rows = np.vstack([ties, analysis.gradient.dense(np.arange(analysis.gradient.shape[0])) @ T])
-    _, sigma, Vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
-    Q, _ = np.linalg.qr(T @ Vt[int(np.sum(sigma > RANK_TOLERANCE)) :].T)
-    return groups(Q @ Q.T, analysis.motions)
+    B, names = analysis.gradient, analysis.names[system.n_q :]
+    rows = vstack([ties, csr_matrix((B.values, (B.rows, B.cols)), B.shape) @ T]).tocoo()
+    joints: dict[str, int] = {}
+    of_row = np.repeat(np.arange(ties.shape[0] // 3), 3)
+    of_joint = np.array([len(of_row) + joints.setdefault(name.place, len(joints)) for name in names], np.int64)
+    entries = Entries(rows.col.astype(np.int64), rows.row.astype(np.int64), rows.data, rows.shape[::-1])
+    motions = left_null_space(entries, np.append(of_row, of_joint))
+    Q, _ = np.linalg.qr(T @ motions.dense(np.arange(T.shape[1])))
+    return groups(NullSpace(system.n_q, ((np.arange(system.n_q), Q),)), analysis.motions)
 
 
 def _bodies(system):
@@ -67,13 +75,15 @@ def _resting(system):
 
 def _as_bodies(system, s, length, bodies, resting):
     """Return T (n_q, m) from the unknowns of bodies and all others, and the constraints (k, m) between bodies."""
+    from scipy.sparse import csr_matrix
+
     n_q, first = system.n_q, 6 * len(bodies)
     own = np.ones(n_q, bool)
     for x, r, _ in (node for body in bodies for node in body):
         own[[d + i for d in (x, r) for i in range(3) if d < n_q]] = False
     own = np.flatnonzero(own & ~resting)
-    T, ties, placed = np.zeros((n_q, first + len(own))), [], np.zeros(n_q, bool)
-    T[own, first + np.arange(len(own))] = 1.0
+    shape = n_q, first + len(own)
+    moved, tied, placed = [], [], {}
     for number, body in enumerate(bodies):
         origin = s.z[body[0][0] : body[0][0] + 3]
         for x, r, rotation in body:
@@ -81,10 +91,23 @@ def _as_bodies(system, s, length, bodies, resting):
             moves = np.hstack([np.eye(3), -np.array(skew(arm / length))])
             turns = np.hstack([np.zeros((3, 3)), s.R[rotation].T])
             for d, rows in ((x, moves), (r, turns)):
-                whole = np.zeros((3, T.shape[1]))
-                whole[:, 6 * number : 6 * number + 6] = rows
-                if d < n_q and not placed[d]:
-                    T[d : d + 3], placed[d] = whole, True
+                if d < n_q and d not in placed:
+                    placed[d] = number, rows
+                    moved.append((d, number, rows))
                 else:
-                    ties.append(whole - T[d : d + 3] if d < n_q else whole)
-    return T, np.vstack([np.zeros((0, T.shape[1])), *ties])
+                    tied.append([(number, rows)] + ([(placed[d][0], -placed[d][1])] if d < n_q else []))
+    T = _of_blocks([(d, 6 * number, rows) for d, number, rows in moved], shape)
+    T += csr_matrix((np.ones(len(own)), (own, first + np.arange(len(own)))), shape)
+    ties = [(3 * row, 6 * number, rows) for row, parts in enumerate(tied) for number, rows in parts]
+    return T, _of_blocks(ties, (3 * len(tied), shape[1]))
+
+
+def _of_blocks(blocks, shape):
+    """Return a sparse matrix of blocks (3, 6), each given as (first row, first column, block)."""
+    from scipy.sparse import csr_matrix
+
+    row, column = np.array([(row, column) for row, column, _ in blocks], np.int64).reshape(-1, 2, 1, 1).swapaxes(0, 1)
+    rows, columns = row + np.arange(3)[:, None], column + np.arange(6)
+    rows, columns = np.broadcast_arrays(rows, columns)
+    values = np.array([block for _, _, block in blocks]).reshape(-1, 3, 6)
+    return csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape)

@@ -1,11 +1,10 @@
 """Coefficients of restitution of contacts that close together (docs/shocks.md, Rules)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.solve.diagnostics.mobility import connected
 from mecano.solve.linear.rounding import ROUNDING
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ def restitutions(
     held = [c for c in fast if c not in contacts]
     numbers = {**contacts, **{c: n + i for i, c in enumerate(held)}}
     at, e = np.array([numbers[c] for c in fast]), np.zeros(len(numbers))
-    for part in connected(_meets(n, [c.rows for c in held], owners, W, reactions)):
+    for part in _connected(_meets(n, [c.rows for c in held], owners, W, reactions)):
         e[part] = min(values[part[at]], default=0.0)
     return e[:n]
 
@@ -52,3 +51,16 @@ def _meets(n, held, owners, W, reactions):
     for i, rows in enumerate(held, n):
         np.logical_or.at(meets[i], owners, np.abs(reactions[rows]).max(axis=0) > least)
     return meets
+
+
+def _connected(coupled: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
+    coupled, unvisited = coupled | coupled.T, np.ones(len(coupled), bool)
+    while unvisited.any():
+        component, reached = np.zeros_like(unvisited), np.zeros_like(unvisited)
+        reached[np.argmax(unvisited)] = True
+        while reached.any():
+            component |= reached
+            reached = coupled[reached].any(axis=0) & ~component
+        unvisited &= ~component
+        yield component

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.maths.distinct import distinct
-from mecano.model.numbering import ROTATION, TRANSLATION, Classes
-from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
+from mecano.model.numbering import ROTATION, TRANSLATION
+from mecano.solve.diagnostics.mobility import allowed_motions, gradient
 from mecano.solve.time.workspace import BEGIN
 
 if TYPE_CHECKING:
@@ -20,20 +20,14 @@ def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray
     """Return the indices (n,), ascending, of positions and rotations of nodes that move in massless motions at ``s``.
 
     A massless motion satisfies the constraints and moves only unknowns on which no element with mass acts. Rotations
-    count times the length scale. Constraints that connect more than ``DENSE_ROWS`` such unknowns are not analysed.
+    count times the length scale.
     """
     kind = system.numbering.kind[: system.n_q]
     light = ~_heavy(system) & ((kind == TRANSLATION) | (kind == ROTATION))
     if not light.any():
         return np.zeros(0, np.int64)
     B, _, _ = gradient(system, s, length)
-    at = light[B.cols]
-    found = [
-        columns[_moving(B.rows[entries], B.cols[entries], B.values[entries], columns)]
-        for columns, entries in _apart(np.flatnonzero(light), B.rows[at], B.cols[at], np.flatnonzero(at))
-        if len(columns) <= DENSE_ROWS
-    ]
-    return np.sort(np.concatenate([*found, np.zeros(0, np.int64)]))
+    return allowed_motions(B, system.numbering.group, light).members
 
 
 class LightUnknowns:
@@ -111,30 +105,3 @@ def _heavy(system):
         if "mass" in (b.p.dtype.names or ()):
             heavy[b.dofs[b.p["mass"] > 0.0, : 3 * len(b.kind.layout)]] = True
     return heavy[: system.n_q]
-
-
-def _apart(light, rows, cols, entries):
-    """Yield sets of unknowns ``light`` (n,) connected by constraints, with the indices of their gradient entries."""
-    index = np.searchsorted(light, cols)
-    classes = Classes(len(light))
-    first: dict[int, int] = {}  # row -> the first of its unknowns
-    for row, i in zip(rows.tolist(), index.tolist(), strict=True):
-        classes.join(first.setdefault(row, i), i)
-    of = np.array([classes.find(i) for i in range(len(light))])
-    order, members = np.argsort(of[index], kind="stable"), np.argsort(of, kind="stable")
-    bounds = np.searchsorted(of[members], distinct(of.copy()), side="right")[:-1]
-    owners = of[index][order]
-    for columns in np.split(light[members], bounds):
-        owner = of[np.searchsorted(light, columns[0])]
-        low, high = np.searchsorted(owners, owner), np.searchsorted(owners, owner, side="right")
-        yield columns, entries[order[low:high]]
-
-
-def _moving(rows, cols, values, columns):
-    """Return (n,) bool: which of the ``columns`` (n,) move in the null space of a matrix given by its entries."""
-    own = distinct(rows.copy())
-    block = np.zeros((max(len(own), 1), len(columns)))
-    block[np.searchsorted(own, rows), np.searchsorted(columns, cols)] = values
-    _, sigma, Vt = np.linalg.svd(block)
-    null = Vt[int(np.sum(sigma > RANK_TOLERANCE)) :]
-    return np.sum(null**2, axis=0) > SHARE
