@@ -100,6 +100,8 @@ def _eliminate_strip(begin, end, block_end, pivots, stride, tolerance, front_out
             magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
             other, rest = columns_out[c * stride :], strips(columns_out, c * stride + below, stride - below)
             u = other[k]
+            if u == 0.0:
+                continue
             for i in range(k + 1, below):
                 other[i] -= column[i] * u
             for i in range(rest.size):
@@ -120,6 +122,8 @@ def apply_strip(begin, stride, columns, targets_out):
         u1 = top[1] - columns[at + 1] * u0
         u2 = top[2] - columns[at + 2] * u0 - columns[at + stride + 2] * u1
         u3 = top[3] - columns[at + 3] * u0 - columns[at + stride + 3] * u1 - columns[at + 2 * stride + 3] * u2
+        if u0 == 0.0 and u1 == 0.0 and u2 == 0.0 and u3 == 0.0:
+            continue
         top[1], top[2], top[3] = u1, u2, u3
         rest = strips(targets_out, c * stride + begin + STRIP, n)
         for i in range(rest.size):
@@ -140,6 +144,8 @@ def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, fro
     for i in range(rows_begin, rows_end):
         at = begin * stride + i
         x0, x1, x2, x3 = columns[at], columns[at + stride], columns[at + 2 * stride], columns[at + 3 * stride]
+        if x0 == 0.0 and x1 == 0.0 and x2 == 0.0 and x3 == 0.0:  # most are, of contacts that are open
+            continue
         row = strips(front_out, i * stride + left, n)
         for j in range(row.size):
             row[j] -= x0 * u0[j] + x1 * u1[j] + x2 * u2[j] + x3 * u3[j]
