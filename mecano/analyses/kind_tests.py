@@ -24,9 +24,11 @@ def check_force(kind: Kind) -> None:
 
 
 def _exerts_or_resists(instance, motion):
-    """Return whether the force, or one of its tangents, which take longer, is not zero."""
-    at = motion.t, instance.local(motion), 1.0, 1.0
-    return np.any(instance.residual(*at)) or any(map(np.any, instance.force(*at)))
+    """Return whether the force, or a tangent, which takes longer, is not zero for reactions of one of both signs."""
+    q, *others = instance.local(motion)
+    opposite = np.concatenate([q[: instance.kind.first_reaction], -q[instance.kind.first_reaction :]])
+    places = [(motion.t, (reactions, *others), 1.0, 1.0) for reactions in (q, opposite)]
+    return any(np.any(instance.residual(*at)) or any(map(np.any, instance.force(*at))) for at in places)
 
 
 def check_purity(kind: Kind) -> None:

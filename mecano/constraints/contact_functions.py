@@ -186,7 +186,7 @@ def observed_rubbing(shapes, inputs):
 
     @kernel
     def observe(p, at, F, y, e):
-        touched, N = touch(p, at), at_least(number(at.q[row]), 0.0)
+        touched, N = touch(p, at), select(at.phase == CLOSED, at_least(number(at.q[row]), 0.0), 0.0)
         F_t, u = _friction(p, at, touched, N)
         e[2] = -dot(F_t, u)
         _put(at, touched, N, F_t, u, y)

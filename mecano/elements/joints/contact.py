@@ -232,16 +232,16 @@ def _elastic_kinds(shapes):
     return {False: smooth, True: rough}
 
 
-def _friction_kind(shapes):
-    """Return the Kind of the friction of the rigid contacts of two shapes, a part of them."""
+def _friction_kind(shapes, phases):
+    """Return the Kind of the friction of the rigid contacts of two shapes, a part of them with their ``phases``."""
     return Kind(
         name=f"{shapes.name}contact_friction", doc="Friction of a rigid contact.", dtype=_record(shapes),
-        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes),
-        impact_friction=impact_friction(shapes),
+        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes), phases=phases,
+        idle={phase: () for phase in phases if phase != "closed"}, impact_friction=impact_friction(shapes),
     )  # fmt: skip
 
 
-def _rigid_kinds(shapes, friction, switches):
+def _rigid_kinds(shapes, switches):
     """Return {rough: Kind} of the rigid contacts of two shapes; ``switches`` are those of SWITCHES or none."""
     inputs, phases, dtype = len(switches.get("inputs", ())), switches.get("phases", PHASES), _record(shapes)
     held = replace(
@@ -252,6 +252,7 @@ def _rigid_kinds(shapes, friction, switches):
         name=f"rigid_{shapes.name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
         layout=shapes.layout, multipliers=(NORMAL,), phases=phases, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
     )  # fmt: skip
+    friction = _friction_kind(shapes, phases)
     rubbed = replace(
         held, name=f"rigid_rough_{shapes.name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
         constraints=None, residual=None, parts=_parts(constraint, friction), **observed_rubbing(shapes, inputs),
@@ -261,8 +262,7 @@ def _rigid_kinds(shapes, friction, switches):
 
 def _kinds(shapes):
     """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of two Shapes."""
-    friction = _friction_kind(shapes)
-    found = {name: _rigid_kinds(shapes, friction, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
+    found = {name: _rigid_kinds(shapes, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
     return {"elastic": _elastic_kinds(shapes), **found}
 
 
