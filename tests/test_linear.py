@@ -9,7 +9,7 @@ from mecano.solve.linear import factors
 from mecano.solve.linear.dense_front import NULL_PIVOT
 from mecano.solve.linear.scaled_superlu import ScaledSuperLU
 from mecano.solve.linear.sparse import LinearSolver, multifrontal
-from mecano.solve.linear.symbolic_analysis import Pattern, analyse
+from mecano.solve.linear.symbolic_analysis import SIZE, Pattern, analyse
 
 ACCURATE = 1e-13  # backward error
 
@@ -188,6 +188,26 @@ def test_random_patterns(seed):
     status = problem.solver().solve(problem.data, b, x)
     assert status and not status.fallback and status.backward_error <= ACCURATE
     np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-9, atol=1e-11)
+
+
+def test_zeros_are_left_out_of_the_borders_of_fronts():
+    """Of all pairs of nodes that may touch, others do in each matrix: the fronts shrink, and keep nothing."""
+    random, n = np.random.default_rng(3), 16
+    pairs = [(i, j) for i in range(n) for j in range(i)]
+    of, sizes = mechanism(n, pairs, [], [(0, 5)]), []
+    solver, entry_of = of.solver(), (np.minimum(of.rows, of.cols) // 6, np.maximum(of.rows, of.cols) // 6)
+    for share in (0.05, 0.3, 1.0, 0.0, 0.1):
+        touching = np.array([(j, i) for i, j in pairs if random.random() < share], int).reshape(-1, 2)
+        couples = (entry_of[0] != entry_of[1]) & (of.rows < of.n_q) & (of.cols < of.n_q)
+        kept = ~couples | np.isin(entry_of[0] * n + entry_of[1], touching @ [n, 1])
+        data, b, x = np.where(kept, of.data, 0.0), of.rhs(), np.zeros(of.n)
+        status = solver.solve(data, b, x)
+        of.matrix = sp.coo_matrix((data, (of.rows, of.cols)), shape=(of.n, of.n)).tocsc()
+        assert status.ok and not status.fallback and of.error(x, b) < ACCURATE
+        np.testing.assert_allclose(x, spla.spsolve(of.matrix, b), rtol=1e-9, atol=1e-9 * np.abs(x).max())
+        sizes.append(int(solver._lu.sizes.sum()))
+    assert sizes[3] <= sizes[0] <= sizes[4] < sizes[1] < sizes[2] == solver.analysis.fronts[:, SIZE].sum()
+    assert sizes[4] < 0.5 * sizes[2]
 
 
 def test_multipliers_follow_the_last_of_their_unknowns():

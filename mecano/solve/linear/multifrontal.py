@@ -27,10 +27,11 @@ import numpy as np
 
 from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call
+from mecano.jit.memory import call, integers
 from mecano.solve.linear.dense_front import Front, apply_strip, eliminate_block, part, stride_of, strips
 from mecano.solve.linear.symbolic_analysis import (
     BORDER,
+    COLUMN_BITS,
     CONTRIBUTION,
     ELDER,
     ENTRIES,
@@ -40,6 +41,7 @@ from mecano.solve.linear.symbolic_analysis import (
     LAST_CHILD,
     PARENT_ROWS,
     PIVOTS,
+    ROW_BITS,
     SIZE,
     STRIP,
 )
@@ -48,6 +50,7 @@ from mecano.solve.linear.symbolic_analysis import (
 PIVOT, INVERSE, MAGNITUDE, PERMUTED, FRONT, RESIDUAL, CORRECTION = range(7)
 VECTORS = 7
 
+WHOLE = 32  # unknowns of a border that is not searched for zeros
 BLOCK = 32  # pivots eliminated before the rest of a front is updated, multiple of STRIP
 REFINE_ABOVE = 1e-13  # backward error
 UNDERFLOW = 1e-290  # below it rounding is absolute
@@ -59,6 +62,8 @@ class Factor(NamedTuple):
     order: Indices
     fronts: Table
     links: Short
+    sizes: Indices  # (n_fronts,) of the fronts without unknowns that only zeros couple to them
+    borders: Short  # positions and rows in the parent of their borders, at the same offsets as in links
     values: Vector
     exchanges: Indices
     vectors: Matrix
@@ -72,39 +77,84 @@ class Substitution(NamedTuple):
 
 
 @kernel
-def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
+def _assemble(f, data, lu, stack, front_out, magnitude_out):
     """Add entries of the matrix and contributions of the children to a front; record the magnitude of its diagonal."""
-    first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
+    fronts, links, begin = lu.fronts, lu.links, lu.fronts[f, ENTRIES]
+    first, pivots, count = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, ENTRY_COUNT]
+    pairs = links[begin : begin + 2 * count]
+    row_of = _select_border(f, data, pairs, lu, front_out)
+    size = lu.sizes[f]
     stride = stride_of(size)
     for i in range(size * stride):
         front_out[i] = 0.0
-    begin, count = fronts[f, ENTRIES], fronts[f, ENTRY_COUNT]
-    pairs = links[begin : begin + 2 * count]
     for k in range(count):
-        front_out[pairs[2 * k + 1]] = data[pairs[2 * k]]
+        if data[pairs[2 * k]] != 0.0:
+            place = pairs[2 * k + 1]
+            front_out[row_of[place >> ROW_BITS] * stride + row_of[place & COLUMN_BITS]] = data[pairs[2 * k]]
     child = fronts[f, LAST_CHILD]
     while child >= 0:
-        width = fronts[child, SIZE] - fronts[child, PIVOTS]
-        place = links[fronts[child, PARENT_ROWS] : fronts[child, PARENT_ROWS] + width]
+        width = lu.sizes[child] - fronts[child, PIVOTS]
+        place = lu.borders[fronts[child, PARENT_ROWS] : fronts[child, PARENT_ROWS] + width]
         begin = fronts[child, CONTRIBUTION]
         for i in range(width):
-            row = front_out[place[i] * stride : (place[i] + 1) * stride]
+            row = front_out[row_of[place[i]] * stride : (row_of[place[i]] + 1) * stride]
             addend = stack[begin + i * width : begin + (i + 1) * width]
             for j in range(width):
-                row[place[j]] += addend[j]
+                row[row_of[place[j]]] += addend[j]
         child = fronts[child, ELDER]
     for i in range(pivots):
         magnitude_out[first + i] = max(magnitude_out[first + i], abs(front_out[i * stride + i]))
-    border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
+    border = lu.borders[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
     for i in range(size - pivots):
         at = border[i]
         magnitude_out[at] = max(magnitude_out[at], abs(front_out[(pivots + i) * (stride + 1)]))
 
 
 @kernel
-def _store(f, fronts, front, factors_out, stack_out):
-    """Store U12 of a front, by columns, and push its contribution on the stack."""
-    pivots, size = fronts[f, PIVOTS], fronts[f, SIZE]
+def _select_border(f, data, pairs, lu_out, work):
+    """Choose the border of a front, and write its size; return the rows, in the front, of those of its pattern."""
+    fronts, links = lu_out.fronts, lu_out.links
+    pivots, size, begin, above = fronts[f, PIVOTS], fronts[f, SIZE], fronts[f, BORDER], fronts[f, PARENT_ROWS]
+    row_of, whole, n = integers(work.ctypes.data + 8 * size * stride_of(size), size), size - pivots <= WHOLE, pivots
+    if not whole:
+        _mark_coupled(f, data, pairs, lu_out, row_of)
+    for i in range(size if whole else pivots):
+        row_of[i] = i
+    if whole and lu_out.sizes[f] == size:
+        return row_of
+    for i in range(size - pivots):
+        if row_of[pivots + i]:
+            lu_out.borders[begin + n - pivots], lu_out.borders[above + n - pivots] = links[begin + i], links[above + i]
+            row_of[pivots + i] = n
+            n += 1
+    if lu_out.sizes[f] != n:
+        lu_out.sizes[f] = n
+        columns = lu_out.values[fronts[f, FACTOR] :]
+        for i in range(pivots * stride_of(n), stride_of(pivots) * stride_of(n)):
+            columns[i] = 0.0
+    return row_of
+
+
+@kernel
+def _mark_coupled(f, data, pairs, lu, marks_out):
+    """Mark the rows of the pattern of a front to which it has entries, or contributions of children: 1, else 0."""
+    for i in range(marks_out.size):
+        marks_out[i] = 0
+    for k in range(pairs.size // 2):
+        if data[pairs[2 * k]] != 0.0:
+            marks_out[pairs[2 * k + 1] >> ROW_BITS] = marks_out[pairs[2 * k + 1] & COLUMN_BITS] = 1
+    child = lu.fronts[f, LAST_CHILD]
+    while child >= 0:
+        begin = lu.fronts[child, PARENT_ROWS]
+        for i in range(begin, begin + lu.sizes[child] - lu.fronts[child, PIVOTS]):
+            marks_out[lu.borders[i]] = 1
+        child = lu.fronts[child, ELDER]
+
+
+@kernel
+def _store(f, size, fronts, front, factors_out, stack_out):
+    """Store U12 of a front of this size, by columns, and push its contribution on the stack."""
+    pivots = fronts[f, PIVOTS]
     stride, height, width = stride_of(size), stride_of(pivots), size - pivots
     begin = fronts[f, FACTOR] + height * stride
     for k in range(pivots):
@@ -125,7 +175,7 @@ def factor(data, tolerance, scratch, lu_out):
     largest, fronts = 0, lu_out.fronts
     for f in range(fronts.shape[0]):
         largest = max(largest, fronts[f, SIZE])
-    stack, magnitude = scratch[largest * stride_of(largest) :], lu_out.vectors[MAGNITUDE]
+    stack, magnitude = scratch[largest * (stride_of(largest) + 1) :], lu_out.vectors[MAGNITUDE]
     for i in range(magnitude.size):
         magnitude[i] = 0.0
     return factor_fronts(0, fronts.shape[0], data, tolerance, scratch, stack, magnitude, lu_out)
@@ -135,29 +185,29 @@ def factor(data, tolerance, scratch, lu_out):
 def factor_fronts(begin, end, data, tolerance, work, stack, magnitude, lu_out):
     """Factor the fronts begin ... end - 1, whose children are factored; returns the number of null pivots.
 
-    ``work`` holds one front, ``stack`` the contributions that wait for their parents.
+    ``work`` holds one front and its rows, ``stack`` the contributions that wait for their parents.
     """
     fronts, pivot, inverse = lu_out.fronts, lu_out.vectors[PIVOT], lu_out.vectors[INVERSE]
     null = 0
     for f in range(begin, end):
-        _assemble(f, data, fronts, lu_out.links, stack, work, magnitude)
-        first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
+        _assemble(f, data, lu_out, stack, work, magnitude)
+        first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], lu_out.sizes[f]
         columns, exchanges = lu_out.values[fronts[f, FACTOR] :], lu_out.exchanges[first:]
         front = Front(work, columns, pivot[first:], inverse[first:], magnitude[first:], exchanges)
         for k in range(0, pivots, BLOCK):
             null += eliminate_block(k, min(k + BLOCK, pivots), pivots, size, tolerance, front)
-        _store(f, fronts, work, lu_out.values, stack)
+        _store(f, size, fronts, work, lu_out.values, stack)
     return null
 
 
 @kernel
 def forward(f, lu, work, y_out):
     """Eliminate the pivots of a front in the right-hand side y (n,), in elimination order."""
-    fronts, links, exchanges = lu.fronts, lu.links, lu.exchanges
-    first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
+    fronts, exchanges = lu.fronts, lu.exchanges
+    first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], lu.sizes[f]
     stride = stride_of(size)
     columns = lu.values[fronts[f, FACTOR] :]
-    border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
+    border = lu.borders[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
     for k in range(pivots):
         work[k] = y_out[first + k]
     for k in range(pivots):
@@ -178,10 +228,10 @@ def forward(f, lu, work, y_out):
 @kernel
 def backward(f, lu, work, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
-    fronts, links, factors, inverse = lu.fronts, lu.links, lu.values, lu.vectors[INVERSE]
-    first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
+    fronts, factors, inverse = lu.fronts, lu.values, lu.vectors[INVERSE]
+    first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], lu.sizes[f]
     stride, height = stride_of(size), stride_of(pivots)
-    border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
+    border = lu.borders[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
     own, scale = part(work, 0, height), part(inverse, first, pivots)
     for k in range(pivots):
         own[k] = y_out[first + k]
@@ -279,7 +329,7 @@ def solve(
 ) -> (int, bool, float):  # fmt: skip
     """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error).
 
-    ``lu`` is overwritten; ``scratch`` holds a front and the stack, ``equations`` the pattern by rows.
+    ``lu`` is overwritten; ``scratch`` holds a front, its rows and the stack, ``equations`` the pattern by rows.
     """
     null = factor(data, tolerance, scratch, lu)
     refined, error = refine(data, b, equations, lu.vectors, again, x_out)

@@ -16,7 +16,7 @@ from mecano.solve.linear.multifrontal import (
     Factor,
     Substitution,
 )
-from mecano.solve.linear.symbolic_analysis import Analysis, Pattern, analyse, padded
+from mecano.solve.linear.symbolic_analysis import ENTRIES, Analysis, Pattern, analyse, padded
 
 if TYPE_CHECKING:
     from mecano.jit.entry import PackedCall
@@ -71,7 +71,9 @@ class LinearSolver:
         self._equations = analysis.equations
         self._vectors = np.zeros((VECTORS, padded(n)))
         values, exchanges = np.zeros(analysis.factor_length), np.zeros(n, dtype=np.int64)
-        self._lu = Factor(analysis.order, analysis.fronts, analysis.links, values, exchanges, self._vectors)
+        fronts, links = analysis.fronts, analysis.links
+        sizes, borders = np.zeros(len(fronts), np.int64), np.zeros(int(fronts[0, ENTRIES]), np.uint32)
+        self._lu = Factor(analysis.order, fronts, links, sizes, borders, values, exchanges, self._vectors)
         if pattern.parts is None:
             self._bind(analysis)
         else:
@@ -84,7 +86,7 @@ class LinearSolver:
         self._substitute_arguments: tuple
         self._solve_arguments: tuple
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
-        scratch = np.zeros(analysis.largest * padded(analysis.largest) + analysis.stack_length)
+        scratch = np.zeros(analysis.largest * (padded(analysis.largest) + 1) + analysis.stack_length)
         self._substitute_arguments = (self._lu,)
         self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._substitution()
 

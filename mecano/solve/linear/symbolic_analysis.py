@@ -29,12 +29,13 @@ BORDER = 3  # offset in links: positions of the border rows (SIZE - PIVOTS), asc
 PARENT_ROWS = 4  # offset in links: rows of the parent front that the border rows are
 LAST_CHILD = 5  # front, or -1
 ELDER = 6  # previous child of the same parent, or -1
-ENTRIES = 7  # offset in links: pairs (index in data, index in the front)
+ENTRIES = 7  # offset in links: pairs (index in data, row in the front times 2**ROW_BITS plus column)
 ENTRY_COUNT = 8
 CONTRIBUTION = 9  # offset in the stack of contributions
 FACTOR = 10  # offset in the factors
 COLUMNS = 11
 
+ROW_BITS, COLUMN_BITS = 16, 0xFFFF  # of a place in a front; larger fronts would take 30 GB
 STRIP = LANES  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
 FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
@@ -294,9 +295,9 @@ def _link(fronts, parent, border_rows, row_place, col_place):
         return row
 
     def target_of(entries):
-        """Return the indices, in their fronts, of some entries of the matrix."""
+        """Return the places, in their fronts, of some entries of the matrix."""
         at = front[entries]
-        found = row_in(at, row_place[entries]) * padded(fronts[at, SIZE]) + row_in(at, col_place[entries])
+        found = (row_in(at, row_place[entries]) << ROW_BITS) + row_in(at, col_place[entries])
         return found.astype(np.uint32)
 
     parent_rows = row_in(parent[border_of], border_rows)
