@@ -233,7 +233,7 @@ def test_the_nearest_impulse_within_a_disc():
     for size in 50 * [1.0] + 50 * [1e-17]:
         root, c, radius = rng.normal(size=(2, 2)), rng.normal(size=2), size * rng.uniform(0.01, 2.0)
         A = root @ root.T
-        x = within_disc(A, c, radius)
+        x = within_disc(*np.linalg.eigh(A), c, radius)
         gradient = A @ x + c
         assert np.linalg.norm(x) <= radius * (1 + 1e-12)
         if np.linalg.norm(x) < radius * (1 - 1e-9):
@@ -245,7 +245,7 @@ def test_the_nearest_impulse_within_a_disc():
 def test_a_disc_of_no_size_has_no_impulse():
     """Its radius is the friction of an impulse that has vanished: numbers do not overflow."""
     with np.errstate(all="raise"):
-        assert not within_disc(np.diag([1.0, 2.0]), np.array([3.0, 4.0]), 1e-310).any()
+        assert not within_disc(np.array([1.0, 2.0]), np.eye(2), np.array([3.0, 4.0]), 1e-310).any()
 
 
 STACK = """

@@ -8,6 +8,7 @@ that opposes the velocity of sliding u after the impact:
 The coefficient is that of the velocity of sliding before the impact.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -54,21 +55,26 @@ class RoughContact:
         return out
 
 
+class RubbingParts:
+    """The parts with friction in impacts of a system, by the multipliers of their contacts, in the order of batches."""
+
+    def __init__(self, system: "System"):
+        batches = [batch for batch in system.batches if batch.kind.impact_friction is not None]
+        places = [(batch, e) for batch in batches for e in range(len(batch.p))]
+        leads = [batch.dofs[:, batch.kind.first_reaction] - system.n_q for batch in batches]
+        self.by_lead = dict(
+            zip(np.concatenate([*leads, np.zeros(0, np.int64)]).tolist(), enumerate(places), strict=True)
+        )
+
+
 def rough_contacts(system: "System", s: "State", leads: np.ndarray) -> list[RoughContact]:
     """Return the RoughContacts among contacts with the multipliers ``leads`` (n,), at the state before the impact."""
-    places, found = {n_lead: i for i, n_lead in enumerate(leads)}, []
-    for batch in system.batches:
-        if batch.kind.impact_friction is None:
-            continue
-        records = batch.p.view(np.recarray)
-        for e, dofs in enumerate(batch.dofs):
-            contact = places.get(dofs[batch.kind.first_reaction] - system.n_q)
-            if contact is not None:
-                at = Place(
-                    s.t, 0, 1.0, 0.0, system.laws, np.zeros(0), s.z[dofs], s.v[dofs], s.a[dofs], s.R[batch.rots[e]]
-                )
-                mu, gradients = batch.kind.impact_friction(records[e], at)
-                found.append(RoughContact(contact, mu, dofs, gradients))
+    by_lead, found, contacts = system.kept(RubbingParts).by_lead, [], {lead: i for i, lead in enumerate(leads.tolist())}
+    for _, (batch, e), contact in sorted((*by_lead[lead], i) for lead, i in contacts.items() if lead in by_lead):
+        dofs = batch.dofs[e]
+        at = Place(s.t, 0, 1.0, 0.0, system.laws, np.zeros(0), s.z[dofs], s.v[dofs], s.a[dofs], s.R[batch.rots[e]])
+        mu, gradients = batch.kind.impact_friction(batch.p.view(np.recarray)[e], at)
+        found.append(RoughContact(contact, mu, dofs, gradients))
     return found
 
 
@@ -89,12 +95,13 @@ def solve_with_friction(
     velocities, stay undetermined by more than ``ACCEPTED``, or if the impulses grow without limit.
     """
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
+    blocks = _blocks(W_tt)
     fastest = max(-b.min(initial=0.0), np.abs(u).max(initial=0.0))
     most = _largest_impulse(W_tt, fastest)
 
     def sweep(along):
         pushes = normal(b + W_nt @ along)
-        change = _along_surfaces(W_tt, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
+        change = _along_surfaces(W_tt, blocks, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
         largest = pushes.max(initial=0.0)
         with np.errstate(over="ignore"):  # of sweeps that diverge
             size = np.abs(change).max() / max(largest, TINY) if largest <= most else np.inf
@@ -156,34 +163,43 @@ def _extrapolated(points, changes):
     return points[-1] + changes[-1] - shares @ (steps + differences)
 
 
-def _along_surfaces(W, u, bounds, start):
-    """Return impulses (2 m,) along the surfaces, at most ``bounds`` (m,), that oppose W x + u: a sweep of blocks."""
-    x, largest = start.copy(), np.diag(W).max(initial=0.0)
-    for i, bound in enumerate(bounds):
+def _blocks(W):
+    """Return {index: (block A, eigenvalues, eigenvectors)} of the contacts that move some mass along their surfaces."""
+    A, largest = np.array([W[i : i + 2, i : i + 2] for i in range(0, len(W), 2)]), np.diag(W).max(initial=0.0)
+    of, Q = np.linalg.eigh(A)
+    return {i: (A[i], of[i], Q[i]) for i in range(len(A)) if np.trace(A[i]) > MASSLESS * largest}
+
+
+def _along_surfaces(W, blocks, u, bounds, start):
+    """Return impulses (2 m,) along the surfaces, at most ``bounds`` (m,), that oppose W x + u: one sweep."""
+    x = start.copy()
+    for i, (A, of, Q) in blocks.items():
         own = slice(2 * i, 2 * i + 2)
-        A = W[own, own]
-        if np.trace(A) <= MASSLESS * largest:
-            continue
-        x[own] = within_disc(A, u[own] + W[own] @ x - A @ x[own], bound)
+        x[own] = within_disc(of, Q, u[own] + W[own] @ x - A @ x[own], bounds[i])
     return x
 
 
-def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
-    """Return the x (2,) with |x| <= radius that minimizes x A x/2 + c x; A (2, 2) symmetric, positive semidefinite.
+def within_disc(of: np.ndarray, Q: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
+    """Return the x (2,) with |x| <= radius that minimizes x A x/2 + c x.
 
-    On the edge A x + c = -s x with s >= 0: the remaining velocity of sliding is opposite to x.
+    ``of`` (2,), ``Q`` (2, 2) are eigenvalues and eigenvectors of A, symmetric and positive semidefinite. On the edge
+    A x + c = -s x with s >= 0: the remaining velocity of sliding is opposite to x.
     """
     if radius <= TINY or not c.any():
         return np.zeros(2)
-    of, Q = np.linalg.eigh(A)
     d = Q.T @ c
-    if of[0] > MASSLESS * of[1] and np.linalg.norm(d / of) <= radius:
+    if of[0] > MASSLESS * of[1] and _norm(d / of) <= radius:
         return -Q @ (d / of)
-    s = max(np.linalg.norm(d) / radius - of[1], MASSLESS * of[1])
-    while (size := np.linalg.norm(d / (of + s))) > radius:
+    s = max(_norm(d) / radius - of[1], MASSLESS * of[1])
+    while (size := _norm(d / (of + s))) > radius:
         # Newton's method on 1/size, which is concave (Hebden 1973): it approaches the root from below
         larger = s + (size / radius - 1.0) * size * size / (d @ (d / (of + s) ** 3))
         if not larger > s:
             break
         s = larger
     return -Q @ (d / (of + s))
+
+
+def _norm(x):
+    """Return the length of a vector, as np.linalg.norm, which takes three times as long."""
+    return math.sqrt(x.dot(x))

@@ -3,7 +3,7 @@
 This module decides which events happen together and which contacts they reach; impact_solution.py solves the equations.
 """
 
-from collections.abc import Container
+from collections.abc import Set
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,10 +52,11 @@ class Shocks:
         self.impact_candidates = ImpactCandidates(system)
         self.touching = self.impact_candidates.touching(self.near)
 
-    def suppress_rebound(self, elements: Container[str]) -> None:
+    def suppress_rebound(self, elements: Set[str]) -> None:
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
         self.rest = self.least.copy()
-        self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
+        if elements:
+            self.rest[[c.lead for c in self.impact_candidates if c.element in elements]] = np.inf
 
     def departing(self, s: "State", g: np.ndarray) -> np.ndarray:
         """Return event values g (n_events,) at the beginning of a step, with those of separating contacts changed.
@@ -82,9 +83,11 @@ class Shocks:
         The motion of a long step may lead through such a surface and back, as over the side of a ball, which the event
         values at the ends of the step do not show. A single contact has just opened where it touches.
         """
-        if len(self.impact_candidates.opening) < 2:
+        opening = self.impact_candidates.opening
+        if len(opening) < 2:
             return {}
-        close = [c for c in self.impact_candidates.opening if -self.close[c.lead] < g[c.event] != -self.near[c.lead]]
+        values, leads = g[opening.events], opening.leads
+        close = opening.where((-self.close[leads] < values) & (values != -self.near[leads]))
         rates = self._derivatives(s, close)[:, 1] if close else self.least
         return {c: rates[c.lead] for c in close if rates[c.lead] < -self.least[c.lead]}
 
@@ -100,17 +103,16 @@ class Shocks:
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
             return found
-        g, held = self.monitor.values(s), self.impact_candidates.held
-        opens, leads = np.array([(c.opens, c.lead) for c in held], np.int64).reshape(-1, 2).T
-        found[opens] = np.abs(g[opens]) <= self._no_force(s, k) * self.unit[leads]
-        touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
+        g, held, events = self.monitor.values(s), self.impact_candidates.held, candidates.events
+        found[held.opens] = np.abs(g[held.opens]) <= self._no_force(s, k) * self.unit[held.leads]
+        touching = candidates.where(np.maximum(-g0[events], np.abs(g[events])) <= self.near[candidates.leads])
         if touching:
             second, h = self._derivatives(s, touching)[:, 2], s.t - s0.t
             for c in touching:
                 found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
-        separating = np.array([(c.event, c.lead) for c in candidates if g0[c.event] == -self.near[c.lead]], np.int64)
-        if len(separating):
-            events, leads = separating.T
+        separating = g0[events] == -self.near[candidates.leads]
+        if separating.any():
+            events, leads = events[separating], candidates.leads[separating]
             found[events] |= g[events] <= np.maximum(self.near[leads], self.monitor.values(s0)[events])
         return found
 
@@ -121,7 +123,7 @@ class Shocks:
         slips: it closes with a shock, at which the state before it is recorded.
         """
         found, g = np.zeros(self.system.n_events, bool), self.monitor.values(s)
-        touching = [c for c in self.impact_candidates.opening if abs(g[c.event]) <= self.near[c.lead]]
+        touching = self.impact_candidates.opening.near(g, self.near)
         if not touching:
             return found
         _, rates, seconds = self._derivatives(s, touching).T
@@ -157,7 +159,7 @@ class Shocks:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > least and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
         if np.isinf(self.rest).any():
-            hit[[c.event for c in self.impact_candidates.opening if abs(g[c.event]) <= self.near[c.lead]]] = True
+            hit[[c.event for c in self.impact_candidates.opening.near(g, self.near)]] = True
         return hit
 
     def _derivatives(self, s, candidates):

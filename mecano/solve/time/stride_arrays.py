@@ -75,7 +75,7 @@ class StrideArrays(Pointers):
         super().__init__(STRIDE)
         self.recorder, self.workspace = recorder, workspace
         self.output = record(OUTPUT) if recorder is None else recorder.output.record
-        departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
+        departing = shocks.impact_candidates.opening.events
         self._kept = observation, attempt  # with arrays whose addresses stand in the record
         self.point_to(
             tolerance=control.tolerance, duration=control.duration, minimum=control.minimum, maximum=control.maximum,
