@@ -374,3 +374,33 @@ def test_an_elastic_rod_meets_a_wall_once_and_leaves_it_with_its_wave(verify):
     verify(S, "elastic rod on a wall: force [N]", force[middle].mean(), 0.27 * c, source, relative=1e-4)
     verify(S, "elastic rod on a wall: duration [s]", opens.t - closes.t, 2.0 / c, source, relative=5e-3)
     assert closes.t == pytest.approx(1e-4, rel=1e-9)
+
+
+def stack(n, side=0.1):
+    """Return the text of a deck of n cubes of 1 kg on one another and on the ground, with contacts at four corners."""
+    corners = [(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
+    nodes, elements = [], []
+    for i in range(n):
+        own = [f"corner_{i}_{c}" for c in range(4)]
+        nodes.append(f"block_{i}: {{position: [0, 0, {(i + 0.5) * side}]}}")
+        nodes += [f"{own[c]}: {{position: [{x * side}, {y * side}, {i * side}]}}" for c, (x, y) in enumerate(corners)]
+        inertia = f"inertia: {[side**2 / 6] * 3}"
+        elements.append(f"body_{i}: {{type: rigid_body, node: block_{i}, attached: {own}, mass: 1, {inertia}}}")
+        below = f"block_{i - 1}" if i else "ground"
+        plane = f"plane: {{normal: [0, 0, 1], point: [0, 0, {i * side}]}}"
+        rough = "friction: {coefficient: 0.5, regularization: 1 mm/s}"
+        elements += [f"on_{i}_{c}: {{type: contact, nodes: [{below}, {own[c]}], {plane}, {rough}}}" for c in range(4)]
+    sections = "nodes:\n  {}\nelements:\n  {}\n".format("\n  ".join(nodes), "\n  ".join(elements))
+    return f"mecano: 1\ngravity: [0, 0, -9.81]\n{sections}time: {{end: 0.1, step: 1 ms, rho_inf: 0}}"
+
+
+def test_a_stack_of_blocks_at_rest_stays_at_rest():
+    """All contacts close at the start, though the compliances of redundant ones displace the blocks below."""
+    n = 4
+    recorded = RecordedRun(deck(stack(n)))
+    assert sorted((event.t, event.name) for event in recorded.event_records) == 4 * n * [(0.0, "closes")]
+    assert recorded.run.dissipated == pytest.approx(0.0, abs=1e-15)
+    for i in range(n):
+        forces = [recorded[f"elements/on_{i}_{c}/normal_force"] for c in range(4)]
+        np.testing.assert_allclose(forces, (n - i) * g / 4, rtol=1e-5)
+        np.testing.assert_allclose(recorded[f"nodes/block_{i}/position"][:, 2], 0.1 * (i + 0.5), atol=1e-10)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.solve.time.contradictions import start_stiff
+from mecano.solve.time.contradictions import start_stiff, stiffened
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
 
@@ -63,9 +63,16 @@ class Beginning:
             if not hit.any():
                 break
             run, s, happened, consistent = self.integrator.events.apply(run, run.motion, hit, at_once=True)
-            run = self.integrator.start_again(run, s, consistent)
+            run = self._stiffened(self.integrator.start_again(run, s, consistent))
             events += happened
         return run, events
+
+    def _stiffened(self, run):
+        """Return the run with compliances of redundant contacts for the forces there, or others would not touch."""
+        while displacement := self.method.contradictions.displaced(run.motion):
+            run = stiffened(self.method, run, displacement)
+            run = replace(run, powers=self.integrator.observe(run.motion).powers)
+        return run
 
     def _sampled(self, run):
         """Return the run with samples and delayed inputs that begin with its velocities and reactions."""
