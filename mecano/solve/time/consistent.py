@@ -58,12 +58,27 @@ class Consistent:
         self._factor()
 
     def repeats(self) -> bool:
-        """Return whether a constraint without compliance depends on others; call it before any solution."""
+        """Return whether a constraint without compliance depends on others; call it before any solution.
+
+        Its pivot has been cancelled by elimination, or is small relative to its ``mobility``: where rows are exchanged,
+        or one group of pivots adds and cancels, no intermediate value of a diagonal shows it.
+        """
         n_q = self.system.n_q
-        dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
+        dependent = np.ones(self.system.n_l, bool)
+        if self.linear.kept:
+            dependent = self.linear.cancellation()[n_q:] < DEPENDENT
+            dependent |= np.abs(self.linear.pivots()[n_q:]) < DEPENDENT * self._mobility()
         if self.compliance is not None:
             dependent &= np.diff(self.compliance.matrix.starts) == 0
         return bool(dependent.any())
+
+    def _mobility(self):
+        """Return (n_l,) the sum of (k B)^2/S of each constraint, S the diagonal: its pivot if S were diagonal."""
+        system, n_q = self.system, self.system.n_q
+        at = np.flatnonzero((system.rows >= n_q) & (system.cols < n_q) & (self.data[: system.nnz] != 0.0))
+        diagonal = np.abs(self.data[system.diagonal[system.cols[at]]])
+        shares = self.data[at] ** 2 / np.where(diagonal > 0.0, diagonal, np.inf)
+        return np.bincount(system.rows[at] - n_q, shares, system.n_l)
 
     def _factor(self):
         """Factor the matrix, unless it is factored already, as after an event that changes forces only."""
