@@ -93,10 +93,7 @@ def _without_identifications(system, s, length):
     The rows of ``system`` come first, followed by 3 for each identification. There are 6 columns for each node (empty
     for fixed ones), followed by those of the scalars of elements.
     """
-    model = system.model
-    kinds: dict[int, Kind] = {}  # without identifications, by the ids of those with them
-    elements = [Element(e.name, _unshared(e, kinds), e.nodes, e.values) for e in model.elements]
-    whole = System(Model(model.nodes, elements, LawTable(), model.gravity))
+    whole = system.kept(_without_sharing)
     B, size, holds = gradient(whole, _state(system, whole, s), length)
     columns = _columns(whole)
     keep, names = holds[B.rows], list(whole.numbering.name[whole.n_q : whole.n])
@@ -118,6 +115,14 @@ def _without_identifications(system, s, length):
     holds = np.concatenate([holds, np.ones(len(names) - len(holds), bool)])
     B = Entries(np.concatenate(rows), np.concatenate(cols), np.concatenate(values), shape)
     return B, size, names, group, holds
+
+
+def _without_sharing(system):
+    """Return the System without identifications."""
+    model = system.model
+    kinds: dict[int, Kind] = {}  # without identifications, by the ids of those with them
+    elements = [Element(e.name, _unshared(e, kinds), e.nodes, e.values) for e in model.elements]
+    return System(Model(model.nodes, elements, LawTable(), model.gravity))
 
 
 def _unshared(element, kinds):
