@@ -217,6 +217,8 @@ class Consistent:
         The unknown of a signal is its value, or its rate if it has a state.
         """
         system, n_q = self.system, self.system.n_q
+        if not signals.any():
+            return system.assemble(s, self.k, into=self._assembly).residual
         assembly = system.assemble(s, self.k, cK=1.0, into=self._assembly)
         by_value, residual = assembly.data[: system.nnz].copy(), assembly.residual.copy()
         by_rate = system.assemble(s, self.k, cC=1.0, into=self._assembly).data[: system.nnz]
