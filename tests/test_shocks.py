@@ -599,7 +599,10 @@ def test_massless_nodes_take_no_impulse(apart, cable, joint):
 
 
 def test_complementarity():
-    """Random problems, some with contacts that repeat one another: conditions to rounding; equals push equally."""
+    """Random problems, some with contacts that repeat one another: conditions to rounding; equals push equally.
+
+    The guess, right or wrong, does not change the motion.
+    """
     rng = np.random.default_rng(3)
     for n in (1, 2, 5, 20):
         for rank in (n, max(1, n // 2)):
@@ -610,6 +613,10 @@ def test_complementarity():
             scale = np.abs(b).max()
             assert x.min() >= 0.0 and z.min() >= -1e-9 * scale
             assert abs(x @ z) <= 1e-9 * scale * max(x.max(), 1e-300)
+            for guess in (x > 0.0, x == 0.0, rng.random(n) < 0.5):
+                again = solve_complementarity(W, b, guess=guess)
+                assert again.min() >= 0.0 and (W @ again + b).min() >= -1e-9 * scale
+                np.testing.assert_allclose(W @ again, W @ x, rtol=0, atol=1e-9 * scale)
     assert solve_complementarity(np.ones((3, 3)), -np.ones(3)) == pytest.approx([1 / 3] * 3, rel=1e-9)
     assert not solve_complementarity(np.eye(2), np.ones(2)).any()
     for wrong in (2.0, np.nan):

@@ -10,13 +10,15 @@ MOST = 3  # times the number of contacts: changes of the set of those that push,
 FITS = 1e-9  # of the largest entry of b: largest residual of a solution in which all contacts push
 
 
-def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
+def solve_complementarity(
+    W: np.ndarray, b: np.ndarray, unit: np.ndarray | None = None, guess: np.ndarray | None = None
+) -> np.ndarray:
     """Return the reactions (n,) of n unilateral constraints; W (n, n) symmetric, positive semidefinite, b (n,).
 
     In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a problem of nonnegative
     least squares in a factor of W. If contacts are redundant, the reactions are those of least norm, in units of
-    ``unit`` (n,), among the contacts that push, so that equal contacts share equally. Raises AssemblyError for a W that
-    is not semidefinite, or not finite.
+    ``unit`` (n,), among the contacts that push, so that equal contacts share equally. ``guess`` (n,) bool are those
+    that may push, which is tried first. Raises AssemblyError for a W that is not semidefinite, or not finite.
     """
     if b.min(initial=0.0) >= 0.0:
         return np.zeros(len(b))
@@ -26,7 +28,8 @@ def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None 
     scaled, right = W / np.outer(size, size), b / (size * largest)
     scaled = 0.5 * (scaled + scaled.T)
     try:
-        return _reactions(scaled, right, size if unit is None else unit * size) * largest / size
+        guess = np.zeros(len(b), bool) if guess is None else guess
+        return _reactions(scaled, right, size if unit is None else unit * size, guess) * largest / size
     except np.linalg.LinAlgError:
         raise AssemblyError(
             "the impulses of an impact cannot be found: the mechanism is too near a singular position for its response "
@@ -35,18 +38,28 @@ def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None 
         ) from None
 
 
-def _reactions(W, b, share):
+def _reactions(W, b, share, guess):
     """Return the reactions (n,) for a diagonal of W of ones."""
     reactions = _least(W, b, share)
     violation = np.abs(W @ reactions + b).max()
     if reactions.min() <= NEGLIGIBLE * reactions.max() or violation > FITS * np.abs(b).max():
-        reactions = _of_some(W, b, share)
+        reactions = _of_these(W, b, share, np.flatnonzero(guess))
+        if not reactions.any():
+            reactions = _of_some(W, b, share)
     return reactions
 
 
 def _least(W, b, share):
     """Return the x (n,) of least norm, in units of ``share``, with W x + b = 0."""
     return np.linalg.lstsq(share[:, None] * W * share, -share * b, rcond=1e-10)[0] * share
+
+
+def _of_these(W, b, share, push):
+    """Return the reactions (n,) if just the contacts ``push`` (indices) do, zeros if these are no solution."""
+    found, x = np.zeros(len(b)), _least(W[np.ix_(push, push)], b[push], share[push]) if len(push) else b[push]
+    if x.min(initial=np.inf) > NEGLIGIBLE * x.max(initial=0.0) and (W[:, push] @ x + b).min() >= -NEGLIGIBLE:
+        found[push] = x
+    return found
 
 
 def _of_some(W, b, share):

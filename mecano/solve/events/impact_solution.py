@@ -74,6 +74,7 @@ class ImpactSolution:
         self.before, self.friction_losses = self._rates(held.v), np.zeros(self.system.n_l)
         self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance, h)
         change, reactions = self.consistent.impose(-self.system.constraint_derivatives(held)[:, 1])
+        self.pushing = np.zeros(len(uncoupled), bool)  # contacts that push in the last solution
         if uncoupled:
             self.rough = rough_contacts(self.system, self.all_held, self.leads)
             self._gather_responses()
@@ -177,8 +178,9 @@ class ImpactSolution:
         at = np.arange(len(self.leads)) if at is None else np.asarray(at)
         W, weight = self.W[np.ix_(at, at)], np.diag(self.W)[at]
         massive = np.flatnonzero((weight > MASSLESS * weight.max(initial=0.0)) & ~self.light[at])
-        x, unit = np.zeros(len(b)), self.shocks.unit[self.leads[at]]
-        x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
+        x, unit, guess = np.zeros(len(b)), self.shocks.unit[self.leads[at]], self.pushing[at]
+        x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive], guess[massive])
+        self.pushing[at] = x > 0.0
         return x
 
     def pulls(self, candidate: ImpactCandidate) -> bool:
