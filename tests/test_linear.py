@@ -192,21 +192,21 @@ def test_random_patterns(seed):
 
 def test_zeros_are_left_out_of_the_borders_of_fronts():
     """Of all pairs of nodes that may touch, others do in each matrix: the fronts shrink, and keep nothing."""
-    random, n = np.random.default_rng(3), 16
-    pairs = [(i, j) for i in range(n) for j in range(i)]
-    of, sizes = mechanism(n, pairs, [], [(0, 5)]), []
-    solver, entry_of = of.solver(), (np.minimum(of.rows, of.cols) // 6, np.maximum(of.rows, of.cols) // 6)
-    for share in (0.05, 0.3, 1.0, 0.0, 0.1):
-        touching = np.array([(j, i) for i, j in pairs if random.random() < share], int).reshape(-1, 2)
-        couples = (entry_of[0] != entry_of[1]) & (of.rows < of.n_q) & (of.cols < of.n_q)
-        kept = ~couples | np.isin(entry_of[0] * n + entry_of[1], touching @ [n, 1])
-        data, b, x = np.where(kept, of.data, 0.0), of.rhs(), np.zeros(of.n)
-        status = solver.solve(data, b, x)
-        of.matrix = sp.coo_matrix((data, (of.rows, of.cols)), shape=(of.n, of.n)).tocsc()
-        assert status.ok and not status.fallback and of.error(x, b) < ACCURATE
-        np.testing.assert_allclose(x, spla.spsolve(of.matrix, b), rtol=1e-9, atol=1e-9 * np.abs(x).max())
+    random, nodes, sizes = np.random.default_rng(3), 40, []
+    pairs = np.array([(i, j) for i in range(nodes) for j in range(i)])
+    n_q, n = 6 * nodes, 6 * nodes + len(pairs)
+    rows, cols = np.repeat(np.arange(n_q, n), 12), (6 * pairs[:, :, None] + np.arange(6)).ravel()
+    entries = np.concatenate([np.arange(n), rows, cols]), np.concatenate([np.arange(n), cols, rows])
+    solver = LinearSolver(Pattern(n, *entries, np.arange(n_q) // 6))
+    for share in (0.01, 0.1, 1.0, 0.0, 0.03):
+        B = np.repeat(random.random(len(pairs)) < share, 12) * random.standard_normal(len(rows))
+        data = np.concatenate([1.0 + random.random(n_q), np.full(n - n_q, -0.1), B, B])
+        b, x = random.standard_normal(n), np.zeros(n)
+        assert solver.solve(data, b, x).backward_error < ACCURATE
+        matrix = sp.coo_matrix((data, entries), shape=(n, n)).tocsc()
+        np.testing.assert_allclose(x, spla.spsolve(matrix, b), rtol=0, atol=1e-11 * np.abs(x).max())
         sizes.append(int(solver._lu.sizes.sum()))
-    assert sizes[3] <= sizes[0] <= sizes[4] < sizes[1] < sizes[2] == solver.analysis.fronts[:, SIZE].sum()
+    assert sizes[3] < sizes[0] < sizes[4] < sizes[1] < sizes[2] == solver.analysis.fronts[:, SIZE].sum()
     assert sizes[4] < 0.5 * sizes[2]
 
 
