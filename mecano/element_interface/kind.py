@@ -187,6 +187,9 @@ class Mechanics:
     these outputs are zero; its ``residual`` is not called then"""
     by_lanes: bool = False
     """True if ``force`` and ``observe`` also compute several elements at once; see element_interface"""
+    cornered: Callable | None = None
+    """record (n,) -> (n,) bool: elements whose force has corners within a phase, so that corrections of Newton's
+    iteration may overshoot"""
     residual: Callable | None = None
     inertia: Callable | None = None
     force: Callable | None = None

@@ -10,10 +10,12 @@ Iterations also end where a new tangent reduces the residual no more, within ten
 far below theirs: the rounding of a position, which the next one cannot mend, goes through damping into the force on a
 massless unknown and moves it by more than rounding.
 
-In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are shortened by a
-line search (Matthies and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre, or a node without mass
-between a spring and dry friction, begins to stick, they would alternate between sliding in both directions, however
-short the step: friction that slides does not depend on the velocity, so the shorter the step, the longer they are.
+Some corrections that overshoot are shortened by a line search (Matthies and Strang, Int. J. Numer. Methods Eng. 14
+(1979) 1613-1626): those of unknowns on which a force with corners acts, such as that of a damped line, and, in a step
+that is cut because a longer one failed, those of massless unknowns. Where a tyre, or a node without mass between a
+spring and dry friction, begins to stick, the latter would alternate between sliding in both directions, however short
+the step: friction that slides does not depend on the velocity, so the shorter the step, the longer they are. In the
+same way a line that is slack and stiff in turn would throw its node to and fro.
 """
 
 import numpy as np
@@ -100,7 +102,7 @@ def iterate(w):
     bind_state(system, s)
     system[0].lag, code = 1.0 / w.cC, CONTINUE
     while True:
-        work = massless_work(w, r, x) if w.pending and w.strict else 0.0
+        work = searched_work(w, r, x) if w.pending else 0.0
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
             report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
@@ -109,7 +111,8 @@ def iterate(w):
             return CONVERGED
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
-        if work and massless_work(w, r, x) * work < -OVERSHOT * work * work:
+        judged = w.strict or report[LAST] > 1.0  # the correction of a residual within its tolerance may be rounding
+        if work and judged and searched_work(w, r, x) * work < -OVERSHOT * work * work:
             report[INCREMENT] *= shorten(w, work)
         before = report[FORCES], report[CONSTRAINTS]
         code = judge(w, report, before, measure(w, report, share))
@@ -122,20 +125,20 @@ def iterate(w):
 
 
 @kernel
-def massless_work(w, r, x):
-    """Return the work of the residual of massless unknowns in their correction."""
+def searched_work(w, r, x):
+    """Return the work of the residual of the ``searched`` unknowns in their correction."""
     total = 0.0
-    for i in integers(w.light, w.n_light):
+    for i in integers(w.searched, w.n_searched):
         total += r[i] * x[i]
     return total
 
 
 @kernel
-def scale_massless(w, x_out, share):
-    """Scale the correction of massless unknowns, and drop that of all others."""
-    light, j = integers(w.light, w.n_light), 0
+def scale_searched(w, x_out, share):
+    """Scale the correction of the ``searched`` unknowns, and drop that of all others."""
+    searched, j = integers(w.searched, w.n_searched), 0
     for i in range(x_out.size):
-        if j < w.n_light and light[j] == i:
+        if j < w.n_searched and searched[j] == i:
             x_out[i] *= share
             j += 1
         else:
@@ -144,7 +147,7 @@ def scale_massless(w, x_out, share):
 
 @kernel
 def shorten(w, work):
-    """Shorten the last correction of massless unknowns, whose residual did ``work`` in it and now opposes it.
+    """Shorten the last correction of the ``searched`` unknowns, whose residual did ``work`` in it and now opposes it.
 
     A bisection ends where the work of the residual is less than half of what it was. Returns the remaining share.
     """
@@ -154,12 +157,12 @@ def shorten(w, work):
     low, high, share, scale = 0.0, 1.0, 1.0, 1.0
     for _ in range(MOST_HALVINGS):
         change = 0.5 * (low + high) - share
-        scale_massless(w, x, change / scale)
+        scale_searched(w, x, change / scale)
         share, scale = share + change, change
         correct(of, w.length, x, by, start, s)
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
-        left = massless_work(w, r, x) / (scale * work)
+        left = searched_work(w, r, x) / (scale * work)
         if abs(left) <= OVERSHOT:
             break
         low, high = (share, high) if left > 0.0 else (low, share)

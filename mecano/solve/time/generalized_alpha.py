@@ -250,6 +250,8 @@ class GeneralizedAlpha:
         self.workspace.record["strict"] = strictly
         if strictly:
             self.light.enter(self.workspace)
+        else:
+            self.light.search(self.workspace)
 
     def ordinary_steps(
         self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"

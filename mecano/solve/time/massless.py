@@ -40,6 +40,7 @@ class LightUnknowns:
         self._system, self._length = system, length
         kind = system.numbering.kind[: system.n_q]
         self._some_of_nodes = bool(np.any(~_heavy(system) & ((kind == TRANSLATION) | (kind == ROTATION))))
+        self._at_corners = unknowns_at_corners(system)
         self._scalars = np.flatnonzero(system.massless)
         self._in_phases: dict[bytes, np.ndarray] = {}
         self._relax: PackedCall | None = None  # to be kept, as compiled code refers to it
@@ -66,8 +67,18 @@ class LightUnknowns:
         """Enter all of them, in the phases at BEGIN, into a workspace."""
         self._enter(w, self.at(w.state(BEGIN, w.phases.copy())), True)
 
+    def search(self, w: "Workspace") -> None:
+        """Enter those in whose corrections Newton's iteration searches into a workspace, and those at corners.
+
+        These are all of the workspace if it is ``strict``.
+        """
+        light = w.array("light") if w.record["strict"][0] and w.record["n_light"][0] else self._at_corners[:0]
+        found = distinct(np.concatenate([light, self._at_corners]))
+        w.point_to(n_searched=len(found), searched=found)
+
     def _enter(self, w, light, known):
         w.point_to(n_light=len(light), light=light, knows_light=known)
+        self.search(w)
         if len(light) and self._relax is None and w.record["tolerance"][0] < np.inf:
             from mecano.solve.time.relaxed_error import relax_error  # compiled for such runs only
 
@@ -96,6 +107,14 @@ def loose_knots(system: "System", s: "State", length: float) -> dict[str, tuple[
     first = {of.name[i].place: i for i in massless_unknowns(system, s, length) if of.kind[i] == TRANSLATION}
     found = {place: held_by_lines(system, i) for place, i in first.items()}
     return {place: lines for place, lines in found.items() if lines}
+
+
+def unknowns_at_corners(system: "System") -> np.ndarray:
+    """Return the indices (n,), ascending, of positions and rotations on which elements with corners act."""
+    acted_on = [b.dofs[b.kind.cornered(b.p)].ravel() for b in system.batches if b.kind.cornered is not None]
+    found = distinct(np.concatenate([*acted_on, np.zeros(0, np.int64)]).astype(np.int64))
+    kind = system.numbering.kind[found]
+    return found[(found < system.n_q) & ((kind == TRANSLATION) | (kind == ROTATION))]
 
 
 def _heavy(system):

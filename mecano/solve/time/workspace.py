@@ -39,10 +39,10 @@ STEP = fields(
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
     "usable stale pending "
     "renewed age last_age last_has known next_has next_age next_known most most_kept factorizations "
-    "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_light n_entries state_size "
+    "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_light n_searched n_entries state_size "
     "system residual size increment T kind rotation_dof "
     "derivatives gap exact_rates added masses nnz rows columns diagonal "
-    "massless light knows_light relax relax_words "
+    "massless light searched knows_light relax relax_words "
     "soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent "
     "entry_places entry_values solve solve_words solve_results substitute substitute_words clock clock_id now "
     "states phases history guess carried v_shift report",
