@@ -73,9 +73,11 @@ class EventCapture:
         """
         monitor, had, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), 0
         event_records: list[EventRecord] = []
+        trial = None
         while True:
-            trial = step(s)
-            iterations += trial[2].iterations
+            if trial is None:
+                trial = step(s)
+                iterations += trial[2].iterations
             hit = monitor.captured(trial[0]) & ~had if trial[2].ok else np.zeros_like(had)
             if not np.any(hit):
                 if trial[2].ok and np.any(monitor.captured(trial[0]) & had):
@@ -85,6 +87,13 @@ class EventCapture:
             had |= hit
             s, found = monitor.apply(s, hit)
             event_records += [replace(event, t=trial[0].t) for event in found]
+            trial = self._in_phases(trial, s.phases)
+
+    def _in_phases(self, trial: "Trial", phases: np.ndarray) -> "Trial | None":
+        """Return the ``trial`` with these ``phases`` at its end, or None if the forces there depend on the change."""
+        end = replace(trial[0], phases=phases)
+        forces = self.monitor.system.forces
+        return (end, *trial[1:]) if np.array_equal(forces(trial[0]), forces(end)) else None
 
     def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers from which ``from_plain`` continues."""
