@@ -16,7 +16,8 @@ since the start, where it has the tension :math:`T_0`. With the stiffness k and 
 .. math::  T = k\,(\Delta + \tau \dot\Delta), \qquad f = T\,\partial \lambda/\partial q, \qquad
            V = \tfrac12 k \Delta^2
 
-while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. Energy that remains when
+while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive; the viscous tension is at
+most as large as the elastic one. Energy that remains when
 it goes slack is dissipated until :math:`\Delta = 0`. L and the angles are exact for parallel axes and pulleys in one
 plane; small inclinations are allowed. The span of a belt that is activated stress-free has the tension :math:`T_0` at
 that instant; before, and after a release, no tangent need exist.
@@ -31,11 +32,11 @@ import numpy as np
 from mecano.constraints.activation import SHIFT, activated
 from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, SLACK, TAUT, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, SLACK, TAUT, follows, is_damped, pulling, put_line_events
 from mecano.constraints.release import detached
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import atan2, select, sqrt, value
+from mecano.maths.dual import atan2, sqrt, value
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
 
 CLOSENESS = 3  # index of this output
@@ -117,6 +118,12 @@ def _lost(at, stretch):
     return at.phase > SLACK and not math.isfinite(value(stretch))
 
 
+@kernel
+def stretches(p, at, stretch, rate):
+    """Return the stretches that give the elastic tension and the tension of a span."""
+    return pulling(at.phase == TAUT, follows(at.phase, p.damping), stretch, rate, p.damping)
+
+
 def observed(stretch_of):
     """Return ``observe`` and ``event_values`` for the stretch (p, at) -> value, rate, gradient, free length."""
 
@@ -127,8 +134,8 @@ def observed(stretch_of):
         y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
         if not math.isfinite(value(rate)):  # there is no tangent
             return
-        elastic = select(at.phase <= RELAXING, p.stiffness * stretch, 0.0)
-        T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
+        elastic, tension = stretches(p, at, stretch, rate)
+        elastic, T = p.stiffness * elastic, p.stiffness * tension
         y[0], y[1], y[2] = T, stretch, L
         e[1] = 0.5 * elastic * stretch
         e[2] = (T - elastic) * rate
@@ -154,9 +161,9 @@ def _functions(geometry, angles, always):
 
     @kernel
     def residual(p, at, f):
-        if at.phase == TAUT:
+        if at.phase == TAUT or follows(at.phase, p.damping):
             stretch, rate, along, _ = stretch_of(p, at)
-            add_along(f, p.stiffness * (stretch + p.damping * rate), along)
+            add_along(f, p.stiffness * stretches(p, at, stretch, rate)[1], along)
 
     @kernel
     def commit(p, at, m_out):
@@ -175,7 +182,7 @@ def _kind(name, doc, layout, geometry, radii):
     memory = ("angle_0", "angle_1")[: len(layout) - 2]
     return Kind(
         name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS, memory=memory,
-        sample=samples_of_spans(radii, PHASES), **_functions(geometry, len(memory), True),
+        cornered=is_damped, sample=samples_of_spans(radii, PHASES), **_functions(geometry, len(memory), True),
     )  # fmt: skip
 
 

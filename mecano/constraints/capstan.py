@@ -30,7 +30,7 @@ from functools import cache
 
 from mecano.constraints.activation import kept_shifts
 from mecano.constraints.body_fixed import follow
-from mecano.constraints.line_phases import PHASES, TAUT
+from mecano.constraints.line_phases import PHASES, TAUT, follows, pulling
 from mecano.constraints.reeved_path import (
     path_record,
     path_unknowns,
@@ -45,7 +45,7 @@ from mecano.constraints.reeved_path import (
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
-from mecano.maths.dual import at_least, constant, exp
+from mecano.maths.dual import at_least, constant, exp, value
 from mecano.maths.vector import add_vec, dot, vec
 from mecano.schema import NUMBERS, Field, mapping
 
@@ -125,12 +125,13 @@ def _functions(strain_of):
     def cable_of(p, at):
         """Return the length of the path, its rate, the speed of the payout, and the mean tension."""
         length, rate, strain, strain_rate, _, L_rate = strain_of(p, at)
-        return length, rate, (1.0 + strain) * L_rate, p.EA * (strain + p.damping * strain_rate)
+        pulled = pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
+        return length, rate, (1.0 + strain) * L_rate, p.EA * pulled[1]
 
     @kernel
     def residual(p, at, f):
         """Add the differences of the tensions to their mean."""
-        if at.phase != TAUT:
+        if at.phase != TAUT and not follows(at.phase, p.damping):
             return
         cable = cable_of(p, at)
         mean, first = cable[3], _first_tension(p, at, cable)
@@ -146,9 +147,9 @@ def _functions(strain_of):
     @kernel
     def observe(p, at, F, y, e):
         """Write the dissipated power, the tensions of the spans and the sliding speeds; the powers."""
-        if at.phase != TAUT:
-            return
         n, cable = len(p.coefficients), cable_of(p, at)
+        if at.phase != TAUT and not value(cable[3]) > 0.0:
+            return
         first = _first_tension(p, at, cable)
         sums = _begin(p, at, cable, first)
         y[1], lost = at_least(first, 0.0), constant(0.0, first)

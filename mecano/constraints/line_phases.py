@@ -3,11 +3,17 @@
 A line with damping goes slack when it would push, while it is still longer than its natural length. Until it reaches
 this length it is relaxing: the remaining elastic energy is dissipated. The dissipated power vanishes there with a
 corner, so the end is an event, at which a time step ends.
+
+The viscous tension is at most as large as the elastic one. So the tension is a continuous function of strain and rate,
+which grows with both: an implicit step has one solution, whatever the phases. With a viscous tension that jumps where
+the line becomes taut, none would exist in a step longer than mass over damping: slack the line would be too long at its
+end, taut too short.
 """
 
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, select
 
 TAUT, RELAXING, SLACK = range(3)
 PHASES = ("taut", "relaxing", "slack")
@@ -19,6 +25,30 @@ EVENTS = (
           one_sided=True),
     Event("is relaxed", "relaxing", "slack", "the length falls to the natural length", elastic=True),
 )  # fmt: skip
+
+
+def is_damped(p):
+    """Return which lines of a record (n,) have damping, (n,) bool."""
+    return p["damping"] != 0.0
+
+
+@kernel
+def follows(phase, damping):
+    """Return whether the tension of a line follows from its strain and rate alone, in any of ``PHASES``."""
+    return damping != 0.0 and phase <= SLACK
+
+
+@kernel
+def pulling(is_taut, follows, strain, strain_rate, damping):
+    """Return two strains of a line: times its stiffness they are its elastic tension and its tension.
+
+    The viscous tension is at most as large as the elastic one. A line that is neither taut nor ``follows`` has none.
+    """
+    bound, viscous = abs(strain), damping * strain_rate
+    bounded = select(viscous > bound, bound, select(viscous < -bound, -bound, viscous))
+    tension = strain + select(damping != 0.0, bounded, viscous)
+    elastic = select(is_taut or follows and strain > 0.0, strain, 0.0)
+    return elastic, select(is_taut, tension, select(follows, at_least(tension, 0.0), 0.0))
 
 
 @kernel

@@ -3,7 +3,7 @@ r"""Wound line: a cable that is paid out by a winder, that is stopped with a sho
 Its natural length L is the length paid out, at most the full one, :math:`L_f(t)`. It is
 
 - slack: shorter than L;
-- taut: elastic, :math:`N = EA (\varepsilon + \tau \dot\varepsilon) > 0`;
+- taut: elastic, :math:`N = EA (\varepsilon + \nu) > 0`, with the damping :math:`\nu` of a ``cable``;
 - relaxing: without tension after it was taut, by damping, and still longer than L;
 - paying out, once the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
   :math:`L = \ell/(1 + T(0)/EA)`, until the nodes stop moving apart or :math:`L = L_f`;
@@ -31,7 +31,7 @@ from mecano.constraints.elastic_line import (
     strained,
 )
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.line_phases import put_line_events
+from mecano.constraints.line_phases import is_damped, pulling, put_line_events
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, Event, Kind, Part, Row, named, record
 from mecano.jit.kernel import kernel
@@ -87,16 +87,26 @@ def _tension(p, laws, rate):
 
 
 @kernel
+def _follows(p, at):
+    """Return whether the line has the tension of its strain and rate, slack or not: if no shock makes it taut."""
+    return at.phase <= RELAXING and p.damping != 0.0 and p.catch == STRETCH
+
+
+@kernel
+def _strains(p, at, strain, strain_rate):
+    return pulling(at.phase == TAUT, _follows(p, at), strain, strain_rate, p.damping)
+
+
+@kernel
 def elastic_residual(p, at, f):
     """Add the tension, except of a held line, inertia and weight."""
     add_line_inertia(p, at.a, f)
     length, rate, (_, u, _) = line(at.q, at.v)
     if at.phase == PAYING:
         add_line_force(f, _tension(p, at.laws, rate)[0], u)
-    elif at.phase == TAUT:
+    elif at.phase == TAUT or _follows(p, at):
         L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
-        strain, strain_rate = strained(length, rate, L, L_rate)
-        add_line_force(f, p.EA * (strain + p.damping * strain_rate), u)
+        add_line_force(f, p.EA * _strains(p, at, *strained(length, rate, L, L_rate))[1], u)
 
 
 @kernel
@@ -130,8 +140,8 @@ def observe(p, at, F, y, e):
     L_rate = select(paying, rate / (1.0 + leaving), paid_rate)
     strain, strain_rate = strained(length, rate, paid, paid_rate)
     strain, strain_rate = select(paying, leaving, strain), select(paying, 0.0, strain_rate)
+    N = p.EA * _strains(p, at, strain, strain_rate)[1]
     elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
-    N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
     N = select(paying, curve(at.laws, p.payout, rate), select(at.phase == HELD, number(at.q[MULTIPLIER]), N))
     stored, kept = 0.5 * p.EA * strain * strain, max(at.m[1], 0.0) / paid
     if paying:
@@ -159,7 +169,7 @@ def event_values(p, at, g):
     if at.phase == SLACK and full and p.catch != STRETCH:
         g[0], g[10 if p.catch == SHOCK else 11] = -FAR, length - L - at.m[2]
     elif at.phase == TAUT and not full:
-        g[5] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[1]
+        g[5] = _strains(p, at, strain, strain_rate)[1] - MORE * _tension(p, at.laws, 0.0)[1]
     elif at.phase == PAYING:
         g[6] = -rate
         g[7 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[1]) - _full(p, at.laws, at.t)[0]
@@ -200,5 +210,5 @@ CATCH = Kind(
 )  # fmt: skip
 ELASTIC = Kind(
     name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
-    residual=elastic_residual, inertia=line_inertia, commit=commit,
+    residual=elastic_residual, inertia=line_inertia, commit=commit, cornered=is_damped,
 )  # fmt: skip

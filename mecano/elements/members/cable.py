@@ -7,7 +7,13 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
    f_1 = -f_0 = N u, \qquad V = \tfrac12 EA\, L\, \varepsilon^2
 
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
-never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
+never pushes, even with damping. The viscous part of its tension is at most as large as the elastic one,
+
+.. math::  N = EA\,(\varepsilon + \nu), \qquad
+   \nu = \max(-\varepsilon, \min(\tau \dot\varepsilon, \varepsilon)),
+
+so that the tension rises from zero, and does not jump, where the cable becomes taut at a speed (as in contacts of Hunt
+and Crossley 1975). The changes from slack to taut and back are events. If elastic energy remains when it
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
 length, at which the event ``is relaxed`` occurs. A ``release`` cuts the cable: from then on it carries no force, its
 elastic energy is lost at that instant, and its mass remains; ``release: {when: rope.tension > 5000}`` breaks it. With
@@ -56,26 +62,35 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulling, put_line_events
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.law_table import terms_of
 from mecano.laws.probe import curve_at
-from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 STRETCHED = 0.5  # strain
 
 
 @kernel
-def _tension(p, strain, strain_rate):
-    return p.EA * (strain + p.damping * strain_rate)
+def _of_a_bar(p, at, strain, strain_rate):
+    """Return the strains that give the elastic and the whole tension of a bar."""
+    return strain, strain + p.damping * strain_rate
 
 
-def _functions(natural):
-    """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
+@kernel
+def _of_a_cable(p, at, strain, strain_rate):
+    """Return the same of a cable."""
+    return pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
+
+
+def _functions(natural, strains):
+    """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate).
+
+    ``strains``: (p, at, strain, strain rate) -> strains that give the elastic and the whole tension.
+    """
 
     @kernel
     def residual(p, at, f):
@@ -85,9 +100,9 @@ def _functions(natural):
         distance and L the natural length; N = 0 unless taut.
         """
         add_line_inertia(p, at.a, f)
-        if at.phase == TAUT:
+        if at.phase == TAUT or follows(at.phase, p.damping):
             length, rate, (_, u, _) = line(at.q, at.v)
-            add_line_force(f, _tension(p, *strained(length, rate, *natural(p, at))), u)
+            add_line_force(f, p.EA * strains(p, at, *strained(length, rate, *natural(p, at)))[1], u)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -95,8 +110,8 @@ def _functions(natural):
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
-        elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
-        N = select(at.phase == TAUT, _tension(p, strain, strain_rate), 0.0)
+        elastic, tension = strains(p, at, strain, strain_rate)
+        elastic, N = p.EA * elastic, p.EA * tension
         put_line(p, y, length, L, strain, strain_rate, N)
         put_line_energy(p, at.q, at.v, e)
         add_strain_energy(elastic, N - elastic, strain, strain_rate, L, L_rate, e)
@@ -111,13 +126,13 @@ def _functions(natural):
 
 def _bar_functions(natural):
     """Return the functions of a bar, which has no events."""
-    residual, observe, _ = _functions(natural)
+    residual, observe, _ = _functions(natural, _of_a_bar)
     return named(residual, observe)
 
 
 def _cable_functions(natural):
     """Return the functions of a cable: those of a bar, events, and outputs that say whether it is taut."""
-    residual, put, event_values = _functions(natural)
+    residual, put, event_values = _functions(natural, _of_a_cable)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -283,6 +298,7 @@ _TENSION_ONLY = replace(
     outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
     phases=PHASES,
     events=EVENTS,
+    cornered=is_damped,
     check=check_cable,
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     sample=sample_cable,

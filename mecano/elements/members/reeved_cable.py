@@ -18,7 +18,8 @@ stiffness EA and the damping time :math:`\tau`, the forces on all nodes follow f
    f = N\, \partial \ell/\partial q, \qquad V = \tfrac12 EA\, L\, \varepsilon^2
 
 as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
-:math:`\varepsilon + \tau\dot\varepsilon` are positive. The power given by a varying natural length is also that of a
+:math:`\varepsilon + \tau\dot\varepsilon` are positive, and its viscous tension is at most as large as the elastic one.
+The power given by a varying natural length is also that of a
 cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction). A
 ``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
 
@@ -44,7 +45,7 @@ from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, sp
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
 from mecano.constraints.joint_samples import rotation
-from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulling, put_line_events
 from mecano.constraints.reeved_path import (
     arc,
     lost,
@@ -105,15 +106,19 @@ def _put_arcs(p, at, y):
         y[8 + i] = wrap
 
 
+@kernel
+def _strains(p, at, strain, strain_rate):
+    return pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
+
+
 def _functions(strain_of):
     """Return ``residual``, ``observe`` and ``event_values`` for the strain of reeved_path.strain_by."""
 
     @kernel
     def residual(p, at, f):
-        if at.phase != TAUT:
-            return
-        _, _, strain, strain_rate, _, _ = strain_of(p, at)
-        _add_tension(p, at, f, p.EA * (strain + p.damping * strain_rate))
+        if at.phase == TAUT or follows(at.phase, p.damping):
+            _, _, strain, strain_rate, _, _ = strain_of(p, at)
+            _add_tension(p, at, f, p.EA * _strains(p, at, strain, strain_rate)[1])
 
     @kernel
     def observe(p, at, F, y, e):
@@ -123,8 +128,8 @@ def _functions(strain_of):
         if not math.isfinite(value(strain_rate)):  # there is no path
             y[8] = at_least(number(y[8]), 1.0)
             return
-        elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
-        N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
+        elastic, tension = _strains(p, at, strain, strain_rate)
+        elastic, N = p.EA * elastic, p.EA * tension
         y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
         y[5] = 1.0 if at.phase == TAUT else 0.0
         _put_arcs(p, at, y)
@@ -296,6 +301,7 @@ _ALWAYS_ACTIVE = Kind(
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on", geometric=True)),
     phases=PHASES,
     events=EVENTS,
+    cornered=is_damped,
     dtype=record(**path_record(1)),
     **path_unknowns(1),
     optional=(("friction", CAPSTAN, ""),),
