@@ -1,5 +1,6 @@
 """Runs in which steps are very short for long: a warning names the unknown that limits them."""
 
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
@@ -70,6 +71,29 @@ def test_the_pace_of_a_run(monkeypatch, step, at, said):
         SimpleNamespace(steps=0, motion=SimpleNamespace(t=at - 0.5)),
         SimpleNamespace(steps=round(0.5 / step), motion=SimpleNamespace(t=at)),
     ]
-    method = SimpleNamespace(method=SimpleNamespace(order=5))
+    events = SimpleNamespace(instants=0, happened=Counter())
+    method = SimpleNamespace(method=SimpleNamespace(order=5), events=events)
     outlook.Outlook(method, 10.0, texts.append, runs[0]).look(runs[1], 0.01)
     assert len(texts) == bool(said) and all(said in text for text in texts)
+
+
+def test_a_run_whose_steps_end_at_events_names_their_elements(tmp_path, monkeypatch):
+    """A ball between two cables, which it makes taut in turn within each step."""
+    monkeypatch.setattr(dynamic, "AT_ONCE", -1.0)
+    monkeypatch.setattr(outlook, "WATCHED", 0.0)
+    monkeypatch.setattr(outlook, "LONG", 0.0)
+    said = []
+    checked = deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}, c: {position: [2, 0, 0], fixed: true}}
+        elements:
+          ball: {type: point_mass, node: b, mass: 1}
+          left: {type: cable, nodes: [a, b], axial_stiffness: 1e8, natural_length: 1.001}
+          right: {type: cable, nodes: [b, c], axial_stiffness: 1e8, natural_length: 1.001}
+        initial: {velocities: [{nodes: [b], velocity: [1, 0, 0]}]}
+        time: {end: 0.5, step: 5 ms, located_events: 100000}
+    """)
+    run(checked, tmp_path / "ball.h5", announce=said.append, interval=1e-3)
+    [text] = [text for text in said if "at this pace the rest of the run takes" in text]
+    assert "instants of events, most of cable '" in text and "'time.located_events: 1'" in text

@@ -41,6 +41,8 @@ class EventApplication:
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
     neglecting: set[str] = field(default_factory=set)  # joints, by title, whose friction a shock has neglected
+    instants: int = 0  # at which events were applied, since the program started
+    happened: Counter = field(default_factory=Counter)  # the events at these instants, by element
 
     def apply(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool = False) -> Applied:
         """Apply events ``hit`` at ``s``.
@@ -49,6 +51,13 @@ class EventApplication:
         None).
         """
         self.capture.count(hit, run)
+        applied = self._with_energies(run, s, hit, at_once)
+        self.instants += 1
+        self.happened.update(event.element for event in applied[2])
+        return applied
+
+    def _with_energies(self, run, s, hit, at_once):
+        """Apply events ``hit`` at ``s``, and count the energies that releases and activations change."""
         changing = self.monitor.changing_energy(hit)
         if not changing:
             return self._exchange(run, s, hit, at_once)
