@@ -209,7 +209,9 @@ RISING = """
 def test_a_run_ends_where_the_cable_leaves_a_pulley(tmp_path):
     """The right end rises through the tangent from the left end to the circle, and 0.01 rad beyond."""
     path = tmp_path / "rising.h5"
-    with pytest.raises(ConvergenceError, match="reeved_cable 'rope' leaves one of its pulleys"):
+    with pytest.raises(
+        ConvergenceError, match=r"from t = 0\.\d+ s: reeved_cable 'rope' leaves pulley 1, at node 'wheel'"
+    ):
         run(deck(RISING), path)
     results = mecano.open_results(path)
     wrap, (x, _, z) = results["elements/rope/wrap_1"].values, results["nodes/right/position"].values.T
@@ -217,6 +219,14 @@ def test_a_run_ends_where_the_cable_leaves_a_pulley(tmp_path):
     contact_right = np.arctan2(z, x) + np.arccos(0.2 / np.hypot(x, z))
     np.testing.assert_allclose(wrap, contact_left - contact_right, atol=1e-12)
     assert wrap[0] > 0.2 and wrap[-1] < 0.0 and wrap[:-1].min() > -0.01
+
+
+def test_the_pulley_that_a_cable_leaves_is_named(tmp_path):
+    """The second of two."""
+    two = RISING.replace("nodes: [left, wheel", "nodes: [low, left, wheel").replace("radii: [0,", "radii: [0, -0.2,")
+    two = two.replace("nodes:\n", "nodes:\n      low: {position: [-2, 0, -0.5], fixed: true}\n", 1)
+    with pytest.raises(ConvergenceError, match="leaves pulley 2, at node 'wheel', where its arc \\(wrap_2\\)"):
+        run(deck(two), tmp_path / "rising.h5")
 
 
 def test_a_run_ends_where_a_load_is_hauled_into_its_pulley(tmp_path):

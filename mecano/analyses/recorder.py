@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mecano.errors import ConvergenceError, ResultsError
-from mecano.model.output_limits import watched_outputs
+from mecano.model.output_limits import end_text, watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
@@ -137,8 +137,7 @@ class Recorder:
         if code == NOT_FINITE:
             raise self._not_finite(t, which)
         if code == ENDED:
-            name, d, *_, text = self.ends[which]
-            raise ConvergenceError(f"cannot continue from t = {t:.9g} s: {d['type']} '{name}' {text}")
+            raise ConvergenceError(f"cannot continue from t = {t:.9g} s: {end_text(self.ends[which], self.row)}")
 
     def _not_finite(self, t, i):
         """Return the error that names the output of entry ``i`` of the row, which is not finite."""

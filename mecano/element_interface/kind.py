@@ -128,7 +128,8 @@ class DeckEntry:
     bounds: Callable = nothing
     """deck values -> [(output, (low, high), text)]: a warning with the text when the output leaves them"""
     end_conditions: Callable = nothing
-    """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
+    """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value; instead of the
+    text, a function of (name of an output -> its value) that returns it"""
     strains: tuple[float, ...] = ()
     """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
     distance of the two nodes in the deck"""

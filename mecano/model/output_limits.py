@@ -13,8 +13,9 @@ if TYPE_CHECKING:
 
     from mecano.model.sampler import Sampler
 
-Watched: TypeAlias = "tuple[str, Values, str, int, Any, str]"
-"""Name and deck values of an element, its output, its column in the row, the limit or bounds, the text beyond"""
+Watched: TypeAlias = "tuple[str, Values, str, int, Any, Any]"
+"""Name and deck values of an element, its output, its column in the row, the limit or bounds, the text beyond, or the
+function of the row that returns it"""
 
 
 def has_end_conditions(values: Values) -> bool:
@@ -30,8 +31,15 @@ def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watch
     each component of a vector.
     """
     columns = {column.path: column for column in sampler.columns}
+
+    def bound(text, place):
+        """Return the text of an element at a ``place`` of the columns, or the function of a row for it."""
+        if isinstance(text, str):
+            return text
+        return lambda row: text(lambda output: row[columns[f"{place}/{output}"].start])
+
     return [
-        (piece, d, output + part, column.start + i, value, text)
+        (piece, d, output + part, column.start + i, value, bound(text, f"{section}/{piece}"))
         for section in SECTIONS
         for name, d in values[section].items()
         for output, value, text in getattr(KINDS[d["type"]], what)(d)
@@ -43,7 +51,10 @@ def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watch
 
 def ended(ends: Iterable[Watched], row: "np.ndarray") -> str:
     """Return a text for the first element in a row (row_size,) of the sampler that has reached its end, or ""."""
-    for name, d, _, i, size, text in ends:
-        if abs(row[i]) > size:
-            return f"{d['type']} '{name}' {text}"
-    return ""
+    return next((end_text(watched, row) for watched in ends if abs(row[watched[3]]) > watched[4]), "")
+
+
+def end_text(watched: Watched, row: "np.ndarray") -> str:
+    """Return the text on an element that has reached its end in a row (row_size,) of the sampler."""
+    name, d, *_, text = watched
+    return f"{d['type']} '{name}' {text if isinstance(text, str) else text(row)}"

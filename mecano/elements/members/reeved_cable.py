@@ -35,7 +35,7 @@ a pulley, because the arc would become negative and the path change, and where a
 
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -229,6 +229,12 @@ def _check_length(d, nodes):
     return [f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long"]
 
 
+def _leaving(d, output):
+    """Return a text on the pulley that the cable has left, by the function ``output`` (name) -> value."""
+    i = min(range(1, len(d["nodes"]) - 1), key=lambda i: output(f"wrap_{i}"))
+    return f"leaves pulley {i}, at node '{d['nodes'][i]}', where its arc (wrap_{i}) falls below zero"
+
+
 @cache
 def _of(n, by_signal, released, stress_free):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}", geometric=True) for i in range(1, n + 1))
@@ -289,11 +295,7 @@ OUTPUTS = (
     Output("lift_off", "rad", "angle by which the cable has left a pulley", geometric=True),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
-END_CONDITIONS = [
-    ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
-    ("closeness", CLOSEST, "has no free span left between two neighbouring pulleys, or a pulley and its end: they are "
-     "too close"),
-]  # fmt: skip
+TOO_CLOSE = "has no free span left between two neighbouring pulleys, or a pulley and its end: they are too close"
 _ALWAYS_ACTIVE = Kind(
     name="reeved_cable", section="elements", doc=__doc__,
     display=Display("belt", pictures=("cables",), axial="tension"),
@@ -307,7 +309,7 @@ _ALWAYS_ACTIVE = Kind(
     optional=(("friction", CAPSTAN, ""),),
     limits=lambda d: [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")],
     variant=lambda d: _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d)),
-    end_conditions=lambda d: END_CONDITIONS,
+    end_conditions=lambda d: [("lift_off", LIFTED, partial(_leaving, d)), ("closeness", CLOSEST, TOO_CLOSE)],
     **named(prepare, parts, check, sample),
     **_functions(strain_by(payout_of(1, False))),
 )  # fmt: skip
