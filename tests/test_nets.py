@@ -41,13 +41,13 @@ def test_a_net_of_strongly_damped_cables_keeps_the_balance_of_energy(damping):
 
     Located events restart the steps, captured ones do not.
     """
-    adaptive = RecordedRun(net(damping, "step: 1 ms, adaptive: {tolerance: 1.0e-3}"))
+    adaptive = RecordedRun(net(damping, "step: 1 ms, adaptive: {tolerance: 1.0e-4}"))
     short = RecordedRun(net(damping, "step: 0.1 ms"))
     captured = RecordedRun(net(damping, "step: 0.1 ms, located_events: 1"))
     for recorded in (adaptive, short, captured):
-        assert np.ptp(recorded["energy/balance"]) < 0.04 * lost(recorded)
+        assert np.ptp(recorded["energy/balance"]) < 0.01 * recorded["energy/kinetic"][0]
         assert np.all(np.diff(recorded["energy/dissipated"]) >= -1e-12)
         assert min(recorded[path].min() for path in recorded.columns if path.endswith("/tension")) == 0.0
-    assert [lost(short), lost(captured)] == pytest.approx([lost(adaptive)] * 2, rel=0.03)
-    assert len(adaptive.time) < 300  # steps and instants of events; several thousand events could be located
+    assert [lost(short), lost(captured)] == pytest.approx([lost(adaptive)] * 2, rel=0.05)
+    assert len(adaptive.time) < 800  # steps and instants of events; several thousand events could be located
     assert captured.integrator.capture.by_element.total() > 20

@@ -44,9 +44,10 @@ def pulling(is_taut, follows, strain, strain_rate, damping):
 
     The viscous tension is at most as large as the elastic one. A line that is neither taut nor ``follows`` has none.
     """
-    bound, viscous = abs(strain), damping * strain_rate
-    bounded = select(viscous > bound, bound, select(viscous < -bound, -bound, viscous))
-    tension = strain + select(damping != 0.0, bounded, viscous)
+    tension, twice = strain + damping * strain_rate, 2.0 * strain
+    low, high = select(strain < 0.0, twice, 0.0), select(strain < 0.0, 0.0, twice)
+    if damping != 0.0:
+        tension = select(tension > high, high, select(tension < low, low, tension))
     elastic = select(is_taut or follows and strain > 0.0, strain, 0.0)
     return elastic, select(is_taut, tension, select(follows, at_least(tension, 0.0), 0.0))
 

@@ -46,6 +46,7 @@ SLOW = 0.1  # a kept factor is used again as long as the residual falls by more 
 SHARE = 0.001  # of the tolerances, to be met with a kept tangent: its last iteration does not square the error
 MOST_STALLED = 10.0  # largest residual, over its tolerance, at which iterations may end that reduce it no more
 MOST_ROUNDING = 10.0  # largest residual, over its estimated rounding error, if the corrections are rounding errors
+USUAL = 3  # corrections of most steps, after which those that overshoot are shortened
 OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
 MOST_HALVINGS = 40  # of one correction: at the start of sticking it may be 1e10 times too long
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that move farther diverge
@@ -111,7 +112,7 @@ def iterate(w):
             return CONVERGED
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
-        judged = w.strict or report[LAST] > 1.0  # the correction of a residual within its tolerance may be rounding
+        judged = w.strict or report[ITERATIONS] > USUAL and report[LAST] > 1.0  # not rounding
         if work and judged and searched_work(w, r, x) * work < -OVERSHOT * work * work:
             report[INCREMENT] *= shorten(w, work)
         before = report[FORCES], report[CONSTRAINTS]
