@@ -253,9 +253,11 @@ NAMES = [
      "wheel 'wheel': unknown tire law 'noes'; did you mean 'nose'?"),
     ("[top, knee]", "[top, kne]", 17, "kne",
      "hinge 'pin': unknown node 'kne'; did you mean 'knee'?"),
-    ("[top, knee]", "[top, p$steps]", 17, "p$steps",
-     "hinge 'pin': unknown node 'p$steps'; names contain values of a 'repeat', those of the entry itself, and words "
-     "among the parameters: repeat: {n: [$last]}, parameters: {side: left}"),
+    ("[top, knee]", "[top, p$i]", 17, "p$i",
+     "hinge 'pin': unknown node 'p$i'; names contain parameters, and values of a 'repeat' of the same entry: p$last, "
+     "{repeat: {i: 1..$last}, node: p$i}"),
+    ("[top, knee]", "[top, p$sink]", 17, "$sink",
+     "joint 'pin': only whole numbers and words can be part of a name; $sink is 3.05"),
     ("[ground, axle]", "[axle, grond]", 18, "grond",
      "hinge 'held': unknown node 'grond'; did you mean 'ground'?"),
     ("[ground, axle]", "[ground, ground]", 18, "ground",

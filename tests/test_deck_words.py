@@ -40,6 +40,28 @@ def test_words_are_names():
     assert not found.warnings and [w.message for w in expected.warnings] == ["law 'hard' is not used"]
 
 
+def test_whole_numbers_are_part_of_names():
+    """Also in an entry without a repeat, in a formula and in a list; a number alone stays a number."""
+    text = """\
+    mecano: 1
+    gravity: none
+    parameters: {links: 3, mass: 2.5}
+    nodes: {p$i: {repeat: {i: 0..$links}, position: [$i, 0, 0]}, hook$(links)a: {position: [$links, 0, 1]}}
+    elements:
+      pin$i: {repeat: {i: 0..$links}, type: point_mass, node: p$i, mass: $mass}
+      hook: {type: point_mass, node: hook$(links)a, mass: 2*$mass}
+    joints: {last: {type: rigid_rod, nodes: ['p$(links - 1)', p$links]}}
+    signals: {height: 2*$mass*p$links.position.z}
+    loads: {weight: {type: force, node: p$links, direction: [0, 0, -1], value: 3*$mass}}
+    initial: {velocities: [{nodes: [p$links], velocity: [$links, 0, 0]}]}
+    time: {end: 1, step: 0.1}
+    """
+    plain = text.replace("'p$(links - 1)'", "p2").replace("p$links", "p3").replace("hook$(links)a", "hook3a")
+    assert deck(text).resolved() == deck(plain).resolved()
+    fewer = deck_of_bytes(text.encode(), "test.yaml", overrides=("parameters.links=2",))
+    assert fewer.values["loads"]["weight"]["node"] == "p2"
+
+
 def test_editors_accept_words():
     """But for a type, for which they complete the names of kinds."""
     validator = jsonschema.Draft7Validator(deck_schema())

@@ -80,7 +80,7 @@ class Copies:
         value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
         for name in [name for name in value if name not in self.fields and name != "parameters"]:
             key, node = value[name]
-            if self._has_word(node) or repeats_items(node):
+            if self._is_inserted_into(node) or repeats_items(node):
                 value[name] = (key, self.copy(node, self.deck))
         for section, entries in self.sections(root, self.deck).items():
             if entries or section in value:
@@ -117,7 +117,7 @@ class Copies:
         for name, (key, node) in given[1].value.items():
             repeated = is_repeated(node)
             plain = level is self.deck and not repeated and section != "place"
-            if plain and not (self._has_word(key) or self._has_word(node) or repeats_items(node)):
+            if plain and not (self._is_inserted_into(key) or self._is_inserted_into(node) or repeats_items(node)):
                 found[name] = (key, node)
                 continue
             with self._about(f"{singular(section)} {quoted(name)}", level.parameters):
@@ -126,13 +126,13 @@ class Copies:
                     self._copy_entry(key, _without_repeat(node) if repeated else node, level, found)
         return found
 
-    def _has_word(self, node):
-        """Return whether a tree has an expression with a parameter of the deck that is a word."""
-        if not self.words:
+    def _is_inserted_into(self, node):
+        """Return whether a tree has an expression with a word among the parameters of the deck, or a name with any."""
+        if not self.deck.parameters.nodes:
             return False
         from mecano.deck.words import mentions
 
-        return mentions(node, self.words)
+        return mentions(node, self.words, self.deck.parameters.nodes)
 
     def _copy_entry(self, key, node, level, found):
         before = len(self.scope.problems)

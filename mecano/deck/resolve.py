@@ -147,8 +147,8 @@ def _unknown(reference, known, sections, scope):
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif "$" in reference.name:
         hint = (
-            "names contain values of a 'repeat', those of the entry itself, and words among the parameters: "
-            "repeat: {n: [$last]}, parameters: {side: left}"
+            "names contain parameters, and values of a 'repeat' of the same entry: p$last, "
+            "{repeat: {i: 1..$last}, node: p$i}"
         )
     elif len(parts := re.split(r"[\s,;]+", reference.name)) > 1 and set(parts) <= {*known}:
         hint = f"each name is an item of its own: {', '.join(parts)}"

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 JOINED = re.compile(r"[\w.]")  # next to an insert that is part of a name
+IN_A_NAME = re.compile(r"[\w)]\$[(A-Za-z_]")  # which begins with a letter
 
 
 def words_of(root: Node, parameters: "Parameters") -> set[str]:
@@ -36,10 +37,13 @@ def _names(match, text):
     return text.strip() == match[0] or any(map(JOINED.match, (before, after)))
 
 
-def mentions(node: Node, words: set[str]) -> bool:
-    """Return whether a text of a tree has an expression with one of the ``words``."""
-    inserts = (inner_text(match) for text in _texts(node) for match in INSERT.finditer(text))
-    return any(not words.isdisjoint(WORD.findall(insert)) for insert in inserts)
+def mentions(node: Node, words: set[str], parameters: Collection[str]) -> bool:
+    """Return whether a text of a tree has an expression with one of the ``words``, or a name with a parameter."""
+    for text in _texts(node):
+        known = parameters if IN_A_NAME.search(text) else words
+        if any(name in known for match in INSERT.finditer(text) for name in WORD.findall(inner_text(match))):
+            return True
+    return False
 
 
 def _texts(node: Node) -> Iterator[str]:
