@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mecano.deck.compose import Given, Node, Pair
 from mecano.deck.containers import singular
 from mecano.deck.copied_formulas import filled_in, is_formula
-from mecano.deck.expressions import ExpressionError, check_inserts, has_inserts, inserted
+from mecano.deck.expressions import ExpressionError, check_inserts, has_inserts, inserted, mentions
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
@@ -128,10 +128,6 @@ class Copies:
 
     def _is_inserted_into(self, node):
         """Return whether a tree has an expression with a word among the parameters of the deck, or a name with any."""
-        if not self.deck.parameters.nodes:
-            return False
-        from mecano.deck.words import mentions
-
         return mentions(node, self.words, self.deck.parameters.nodes)
 
     def _copy_entry(self, key, node, level, found):

@@ -9,13 +9,14 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from mecano.deck.wording import quoted
 
 if TYPE_CHECKING:
+    from mecano.deck.compose import Node
     from mecano.deck.parameters import Parameters
 
 LONGEST, DEEPEST = 500, 50  # characters, levels of brackets and signs
@@ -23,6 +24,8 @@ NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z0-9_]*)")
 INSERTED = r"\$\(|[A-Za-z0-9_.)]\$[A-Za-z_]"  # the nodes of a meshed beam have names with dots
+IN_A_NAME = r"[\w)]\$[(A-Za-z_]"  # a name begins with a letter
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 NESTED = r"(\$\([^)$]*)\$([A-Za-z_]\w*)"
 UNIT = r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]"  # 90 deg
 LONGEST_NAME = 200
@@ -83,6 +86,28 @@ def names_in(text: str, parameters: "Parameters") -> list[str]:
 def has_inserts(text: str) -> bool:
     """Return True if a text is a name into which values are inserted; no expression has this form."""
     return re.search(INSERTED, text) is not None
+
+
+def mentions(node: "Node", words: set[str], parameters: Collection[str]) -> bool:
+    """Return whether a text of a tree has an expression with one of the ``words``, or a name with a parameter."""
+    for text in texts_in(node):
+        known = parameters if re.search(IN_A_NAME, text) else words
+        if any(name in known for match in INSERT.finditer(text) for name in WORD.findall(inner_text(match))):
+            return True
+    return False
+
+
+def texts_in(node: "Node") -> Iterator[str]:
+    """Yield the texts with a $ in a tree."""
+    todo = [node]
+    while todo:
+        value = todo.pop().value
+        if type(value) is str and "$" in value:
+            yield value
+        elif type(value) is list:
+            todo += value
+        elif type(value) is dict:
+            todo += [one for pair in value.values() for one in pair]
 
 
 def inserted(text: str, parameters: "Parameters") -> str:
