@@ -386,7 +386,7 @@ time:
     ("entry", "hint"),
     [
         ("{type: spherical, nodes: [ground, pin], release: {time: 1}}",
-         "it is a field of hinge, constant_velocity, cylindrical, prismatic, fixed, grip"),
+         "it is a field of hinge, constant_velocity, cylindrical, prismatic, fixed, grip, rigid_rod"),
         ("{type: spherical, node: [ground, pin]}", "did you mean 'nodes'?"),
     ],
 )  # fmt: skip

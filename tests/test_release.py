@@ -1,8 +1,10 @@
 """Joints that are released at a time or by a condition."""
 
+import math
+
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
@@ -87,3 +89,63 @@ def test_wrong_releases(release, message):
     with pytest.raises(DeckError) as error:
         deck(BAD.replace("RELEASE", release))
     assert message in error.value.problems[0].message
+
+
+SHORT, TIP, CENTRE = (math.sqrt(0.5) * arm * np.ones(2) for arm in (2.0, -10.0, -4.0))  # x and z from the axle [m]
+MASSES = np.diag([2400.0 + 200.0 * 4.0**2, 4000.0, 4000.0, 40.0, 40.0])
+
+
+def turned(point, angle):
+    """Return a point of the beam of the trebuchet, turned about y."""
+    (x, z), c, s = point, math.cos(angle), math.sin(angle)
+    return np.array([c * x + s * z, c * z - s * x])
+
+
+def thrown(y, in_chute):
+    """Return accelerations of the angle, the counterweight and the stone, and multipliers; the last is the chute's."""
+    q, v = np.split(y, 2)
+    rows, right = [], []
+    for point, k in ((SHORT, 1), (TIP, 3)):
+        end, slope = turned(point, q[0]), turned(point, q[0] + math.pi / 2.0)
+        d, rate, row = q[k : k + 2] - end, v[k : k + 2] - v[0] * slope, np.zeros(5)
+        row[0], row[k : k + 2] = -d @ slope, d
+        rows.append(row)
+        right.append(-rate @ rate - v[0] ** 2 * d @ end)
+    if in_chute:
+        rows.append(np.eye(5)[4])
+        right.append(0.0)
+    f = np.array([-200.0 * G * turned(CENTRE, q[0] + math.pi / 2.0)[1], 0.0, -4000.0 * G, 0.0, -40.0 * G])
+    A, n = np.array(rows), len(rows)
+    solved = np.linalg.solve(np.block([[MASSES, -A.T], [A, np.zeros((n, n))]]), np.append(f, right))
+    return np.split(solved, [5])
+
+
+def until(event, t, y, in_chute):
+    """Integrate from (t, y) until the event; return its time and state."""
+    event.terminal = True
+    motion = solve_ivp(
+        lambda t, y: np.append(y[5:], thrown(y, in_chute)[0]), (t, t + 5.0), y, "DOP853", events=event,
+        rtol=1e-11, atol=1e-11,
+    )  # fmt: skip
+    return motion.t[-1], motion.y[:, -1]
+
+
+def test_a_sling_lets_go_of_a_stone(verify):
+    """A rigid rod whose release depends on the velocity of its end."""
+    start = np.array([0.0, *SHORT + [0.0, -1.5], *TIP + [8.0, 0.0], 0.0, 0.0, 0.0, 0.0, 0.0])
+    lifts, y = until(lambda t, y: thrown(y, True)[1][2], 0.0, start, True)
+    leaves, y = until(lambda t, y: y[8] - y[9], lifts, y, False)
+    flight = (20.0 - y[3]) / y[8]
+    exact = np.array([lifts, leaves, leaves + flight, math.hypot(*y[8:])])
+    np.testing.assert_allclose(exact, [0.471517, 1.326391, 1.946713, 66.6003], rtol=1e-6)  # those of the deck
+    found = []
+    for step in (2e-3, 1e-3):
+        m = RecordedRun(input_deck("trebuchet", f"time.step={step}"))
+        _, opens, _, let_go, ends = [h.t for h in m.event_records]
+        vx, _, vz = m["nodes/stone/velocity"][-1]
+        found.append(np.array([opens, let_go, ends, math.hypot(vx, vz + G * (ends - let_go))]))
+        tension = m["joints/sling/tension"]
+        assert tension[m.time < let_go].min() > 0.0
+        np.testing.assert_array_equal(tension[m.time > let_go + 1e-9], 0.0)
+    what = "trebuchet: instants at which the stone leaves chute and sling and is 20 m away; its speed"
+    verify.second_order("Release", what, *found, exact, 1e-5, "SciPy, with Lagrange's multipliers")

@@ -64,7 +64,7 @@ FILMS = (
     "nose_landing_gear", "panel_lock", "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack",
     "reflector", "release", "rocking_block", "rods", "rolling_disc", "rope_brake", "ship_deck", "sleigh",
     "slider_crank", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut", "superelement_arm",
-    "synchronised_panels", "thruster", "trailing_wheel_bump", "twin_wheel_gear", "tyre_drum", "wheel_drop",
+    "synchronised_panels", "thruster", "trailing_wheel_bump", "trebuchet", "twin_wheel_gear", "tyre_drum", "wheel_drop",
     "winder", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch

@@ -19,12 +19,13 @@ HELD = (
     ("orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu fixed in the first node and xi in the second.", TILT,
      "moment that keeps two axes perpendicular"),
     ("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle"),
+    ("same_distance", "Same distance: constant distance of two nodes.", LENGTH, "force that pushes the nodes apart"),
 )  # fmt: skip
 """Name, page, coordinate and name of the multiplier of the constraints of joints that may be released."""
-IN_PLANE, ORTHOGONAL, SAME_ANGLE = (hold_kind(*row) for row in HELD)
+IN_PLANE, ORTHOGONAL, SAME_ANGLE, SAME_DISTANCE = held_kinds = [hold_kind(*row) for row in HELD]
 RELEASED = {
     kind: release_kind(f"{name}_release", f"{doc} Until it is released.", coordinate, row)
-    for kind, (name, doc, coordinate, row) in zip((IN_PLANE, ORTHOGONAL, SAME_ANGLE), HELD, strict=True)
+    for kind, (name, doc, coordinate, row) in zip(held_kinds, HELD, strict=True)
 }
 """The constraints that hold until they are released, by those that always hold."""
 LEVEL_AXIS = hold_kind(
