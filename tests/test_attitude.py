@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
@@ -90,3 +91,34 @@ def test_a_small_difference_in_small_units_is_known_to_rounding():
     run = RecordedRun(input_deck("gimbal", "signals.heading.value=1.0e9*(gyro.yaw - 6.3*time)"))
     assert not run.integrator.cuts
     np.testing.assert_allclose(run["signals/heading/value"], 0.0, rtol=0, atol=16 * 2.2e-16 * 12.6e9)
+
+
+def turning(_, y):
+    """Rates of the quaternion, the angular velocity and those of the wheels of the satellite with reaction wheels."""
+    q, w, wheels = np.split(y, [4, 7])
+    R = Rotation.from_quat(q).as_matrix()
+    error = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    torque = 0.6 * error + 4.0 * w
+    momentum = (np.array([12.0, 15.0, 9.0]) + 0.04) * w + 0.02 * wheels
+    faster = (-np.cross(w, momentum) - torque) / (np.array([12.0, 15.0, 9.0]) + 0.02)
+    return [*0.5 * (q[3] * w + np.cross(q[:3], w)), -0.5 * q[:3] @ w, *faster, *(torque / 0.02 - faster)]
+
+
+def test_a_satellite_turns_to_the_inertial_axes(verify):
+    """By the directions of its axes, although its pitch comes near -90 degrees, where yaw and roll are not unique."""
+    start = [*Rotation.from_rotvec([1.511, -1.511, 1.511]).as_quat(), *np.zeros(6)]
+    known = solve_ivp(turning, (0.0, 60.0), start, "DOP853", [20.0, 60.0], rtol=1e-11, atol=1e-12).y
+    found = []
+    for h in (0.04, 0.02):
+        run = RecordedRun(input_deck("satellite_slew", f"time.step={h}"))
+        wheels = [run[f"joints/satellite_bearing_{c}/rate"] for c in "xyz"]
+        rates = np.column_stack([run["elements/satellite_gyro/angular_velocity"], *wheels])
+        found.append(rates[[round(20.0 / h), -1]].T)
+    assert run["elements/satellite_gyro/pitch"].min() < -1.5
+    assert np.abs(rates[:, 3:]).max() == pytest.approx(59.35, abs=0.005)  # that of the deck
+    w, x, y, z = run["nodes/satellite_bus/rotation"].T
+    axes = np.stack([run[f"elements/satellite_gyro/{c}_axis"] for c in "xyz"], axis=2)
+    matrices = Rotation.from_quat(np.stack([x, y, z, w], axis=1)).as_matrix()
+    np.testing.assert_allclose(axes, matrices, atol=1e-12)
+    what = "reaction wheels: rates of the satellite and its wheels after 20 s and 60 s [rad/s]"
+    verify.second_order("Signals and control", what, *found, known[4:], 1e-3, "Euler's equations, SciPy")

@@ -137,9 +137,9 @@ turn slip, parking moment, parking torque, scrub moment, scrub torque, pivot tur
 slip ratio, slip angle -> wheel transient_wheel | outputs of every wheel with a tyre law: tyre.slip_angle
 yaw rate, lateral acceleration, sideslip, sideslip angle -> signals | formulas of the motion of the body:
     chassis.angular_velocity.z; chassis.velocity.magnitude times it, in a steady turn (docs/tyres.md, A car)
-yaw, roll, heading, pitch, euler, euler angles, gyro, imu, quaternion, attitude control -> attitude signals orientation
-    held_rotation | an attitude gives yaw, pitch and roll of a node as outputs, which signals read; so are the angles of
-    joints
+yaw, roll, heading, pitch, euler, euler angles, gyro, imu, quaternion, attitude control, direction cosines -> attitude
+    signals orientation held_rotation | an attitude gives yaw, pitch, roll and the directions of the axes of a node as
+    outputs, which signals read; so are the angles of joints
 harmonic drive, strain wave gear, gear ratio, reducer, speed reducer -> coupler torsion_spring_damper gear_pair | a
     coupler relates the angles of the motor and of its output, a torsion_spring_damper makes the output elastic
 tool path, trajectory -> prescribed_position curve table | a formula or a table of time of each coordinate of the tool;
@@ -178,8 +178,8 @@ ellipsoid, spheroid, egg, rattleback, celt -> contact | an 'ellipsoid' in place 
 coulomb, stick slip, dry friction -> friction dry_friction
 friction -> dry_friction
 brake disc, disc brake, anti skid, antiskid, abs -> brake
-clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction grip | between two shafts, a
-    torsion_spring_damper whose law is dry_friction; a dog clutch is a grip
+clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction brake grip | between two
+    shafts, a torsion_spring_damper whose law is dry_friction, or a brake if its torque varies; a dog clutch is a grip
 freewheel, overrunning clutch, one way clutch, sprag clutch, backstop, ratchet -> torsion_spring_damper damper_table
     latch | a torsion_spring_damper between two shafts, whose damper_table is zero in one sense of rotation and steep in
     the other; a latch locks for good

@@ -1,4 +1,4 @@
-r"""Attitude of a node: yaw, pitch and roll, its motion in its own axes, its acceleration, as outputs and for signals.
+r"""Attitude of a node: angles, directions of its axes, its motion in its own axes, as outputs and for signals.
 
 The rotation from the axes of the node to the inertial ones is
 
@@ -7,8 +7,9 @@ The rotation from the axes of the node to the inertial ones is
 with the yaw :math:`\psi` about the inertial z axis, then the pitch :math:`\theta` about the y axis turned by it, then
 the roll :math:`\phi` about the x axis of the node: the Tait-Bryan angles z-y'-x'' of vehicles (ISO 8855) and aircraft,
 if the node has x ahead, and z up or down. Yaw and roll count whole turns, from within half a turn at the start; the
-pitch is between -90 and 90 degrees, where yaw and roll are not unique. With the angular velocity (p, q, r) in the axes
-of the node,
+pitch is between -90 and 90 degrees, where yaw and roll are not unique. The directions of the axes, the columns of R,
+are unique everywhere: use them to point an axis at a target, or to control large rotations. With the angular velocity
+(p, q, r) in the axes of the node,
 
 .. math::
    \dot\psi = (q \sin\phi + r \cos\phi)/\cos\theta, \qquad \dot\theta = q \cos\phi - r \sin\phi, \qquad
@@ -45,6 +46,10 @@ def observe(p, at, F, y, e):
     put(y, 9, R.T @ vec(at.v, 0))
     put(y, 12, vec(at.a, 0))
     put(y, 15, R.T @ (vec(at.a, 0) - vec(p.free_fall, 0)))
+    axes = R.T
+    put(y, 18, axes.x)
+    put(y, 21, axes.y)
+    put(y, 24, axes.z)
 
 
 @kernel
@@ -73,6 +78,7 @@ ATTITUDE = Kind(
             "specific_force", "m/s2", "acceleration less gravity in the axes of the node, as accelerometers measure it",
             (3,),
         ),
+        *(Output(f"{c}_axis", "-", f"direction of the {c} axis of the node, inertial", (3,)) for c in "xyz"),
     ),
     hidden={"acceleration": WASHOUT, "specific_force": WASHOUT},
     memory=("yaw", "roll"),
