@@ -1,7 +1,7 @@
 """Models of other programs and of their lectures, compared with published numbers or with equations of their own.
 
-Exudyn (Gerstmayr, Multibody System Dynamics 2023) publishes its test models; the rimless wheel is the first walker of
-the lectures with Drake (Tedrake, Underactuated Robotics), after McGeer 1990.
+Exudyn (Gerstmayr, Multibody System Dynamics 2023) publishes its test models; the rimless wheel and the compass gait are
+the walkers of the lectures with Drake (Tedrake, Underactuated Robotics), after McGeer 1990.
 """
 
 import math
@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from small_motions import eigenvalues
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.static import run
 from mecano.analyses.sweep import sweep
@@ -81,6 +81,73 @@ def test_a_rimless_wheel_loses_the_energy_of_its_steps(verify):
     found = [event.lost for event in run.event_records if event.name == "closes" and event.t > 0.0]
     source = "McGeer 1990, moment of momentum about the new foot"
     verify(S, "rimless wheel: energy lost in its first two steps [J]", found, lost, source, relative=1e-4)
+
+
+LEAN = math.radians(3.0)
+WEIGHT = g * np.array([math.sin(LEAN), -math.cos(LEAN)])  # along and across the ground
+LEGS = np.array([[10.0, 1.0, 0.0], [5.0, 0.5, 0.0], [5.0, 1.0, -0.5]])  # masses [kg], along both legs from the foot [m]
+
+
+def across(angle):
+    """Return the derivative of the direction (sin, cos) of a leg."""
+    return np.array([math.cos(angle), -math.sin(angle)])
+
+
+def walking(_, y):
+    """Rates of the angles of the standing and the swinging leg and of their rates, by Kane's method."""
+    M, f = np.zeros((2, 2)), np.zeros(2)
+    for mass, *arms in LEGS:
+        J = np.column_stack([arm * across(angle) for arm, angle in zip(arms, y, strict=False)])
+        inward = sum(arm * w**2 * across(a + math.pi / 2.0) for arm, a, w in zip(arms, y, y[2:], strict=False))
+        M, f = M + mass * J.T @ J, f + mass * J.T @ (WEIGHT - inward)
+    return [*y[2:], *np.linalg.solve(M, f)]
+
+
+def strike(_, y):
+    """Rise through zero where the swinging foot, ahead by 0.1 m or more, reaches the ground."""
+    return min(math.cos(y[1]) - math.cos(y[0]), math.sin(y[0]) - math.sin(y[1]) - 0.1)
+
+
+strike.terminal, strike.direction = True, 1
+
+
+def struck(y):
+    """Return the state after the swinging foot has struck and become the standing one, impulse and lost energy."""
+    (a, b), (w_a, w_b) = np.split(y, 2)
+    legs = np.column_stack([across(a), across(b)])
+    J = [np.column_stack([np.eye(2), legs * arms]) for arms in ([0.0, 0.0], [-0.5, 0.0], [0.0, -0.5])]  # from the hip
+    M = sum(mass * j.T @ j for mass, j in zip(LEGS[:, 0], J, strict=True))
+    foot = np.column_stack([np.eye(2), 0.0 * across(a), -across(b)])
+    before = np.array([*w_a * across(a), w_a, w_b])
+    impulse = np.linalg.solve(foot @ np.linalg.solve(M, foot.T), -foot @ before)
+    after = before + np.linalg.solve(M, foot.T @ impulse)
+    lost = 0.5 * (before @ M @ before - after @ M @ after)
+    return np.array([b, a, after[3], after[2]]), np.linalg.norm(impulse), lost
+
+
+def test_a_compass_gait_repeats_its_steps(verify):
+    """Drake: CompassGait, after Goswami, Thuilot & Espiau 1996; feet are held by grips that change at each strike."""
+    start = np.array([-0.2710286805, 0.2710286805, 1.0923835899, 0.3773739489])
+    step = solve_ivp(walking, (0, 2), start, events=strike, rtol=1e-11, atol=1e-12)
+    again, impulse, lost = struck(step.y[:, -1])
+    np.testing.assert_allclose(again, start, atol=2e-9)
+    known = [step.t[-1], impulse, lost]
+    np.testing.assert_allclose(known, [0.734346, 13.98315, 5.49812], rtol=1e-6)  # those of the deck
+    found = []
+    for h in (2e-3, 1e-3):
+        run = RecordedRun(input_deck("compass_walker", f"time.step={h}", "time.end=0.8"))
+        (closes,) = [event for event in run.event_records if event.unit]
+        found.append(np.array([closes.t, closes.impulse, closes.lost]))
+    what = "compass gait: duration of a step [s], impulse [N s] and loss [J] at its end"
+    verify.second_order(S, what, *found, known, 1e-6, "Kane's equations, SciPy")
+
+
+def test_a_compass_gait_walks_on():
+    """Four steps: the cycle is stable, so that errors of the integration do not add up."""
+    run = RecordedRun(input_deck("compass_walker"))
+    strikes = [event for event in run.event_records if event.unit]
+    assert [event.element for event in strikes] == ["grip 'stand_b'", "grip 'stand_a'"] * 2
+    np.testing.assert_allclose(np.diff([0.0, *(event.t for event in strikes)]), 0.734346, atol=1e-5)
 
 
 ROTOR = """

@@ -56,7 +56,7 @@ PLOTS = {
 }
 FILMS = (
     "andrews", "ball_in_pipe", "ball_on_turntable", "beam_spin_up", "belt_drive", "bicycle", "billiards",
-    "block_and_tackle", "bricard", "cable_catch", "cam", "cam_float", "car", "caster_shimmy",
+    "block_and_tackle", "bricard", "cable_catch", "cam", "cam_float", "car", "caster_shimmy", "compass_walker",
     "controlled_double_pendulum", "crane", "crosswind_landing", "deployment_lock", "docking", "double_pendulum",
     "ellipsoids", "falling_cat", "flat_follower", "flexible_pendulum", "flexible_ring", "flexible_slider_crank",
     "flyball_governor", "four_bar", "free_body", "friction_pendulum", "gears", "gimbal", "heavy_top", "hoist",

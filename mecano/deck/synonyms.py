@@ -180,6 +180,8 @@ friction -> dry_friction
 brake disc, disc brake, anti skid, antiskid, abs -> brake
 clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction brake grip | between two
     shafts, a torsion_spring_damper whose law is dry_friction, or a brake if its torque varies; a dog clutch is a grip
+walker, walking robot, gait, leg with foot, stance -> grip switch contact | a foot that does not slip is held by a grip
+    'while' a condition is true; `mecano example compass_walker` walks
 freewheel, overrunning clutch, one way clutch, sprag clutch, backstop, ratchet -> torsion_spring_damper damper_table
     latch | a torsion_spring_damper between two shafts, whose damper_table is zero in one sense of rotation and steep in
     the other; a latch locks for good
