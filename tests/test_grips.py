@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import prepare
 from mecano.errors import DeckError
 from mecano.results.reader import open_results
 
@@ -100,6 +101,44 @@ def test_a_grip_that_begins_closed_exchanges_momentum_at_the_start():
     run = RecordedRun(deck(PASSING.replace("MORE", "close: {time: 0}")))
     assert events(run) == [("closes", 0.0, "closed")]
     np.testing.assert_allclose(run["nodes/part/velocity"][-1], [0.25, 0, 0], atol=1e-12)
+
+
+LOCKED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0]}, tip: {position: [0, 1, 0]}, b: {position: [0, 1, 0]}}
+    elements:
+      a: {type: rigid_body, node: a, mass: 1, center_of_mass: [0, 0.5, 0], inertia: [0.1, 0.1, 0.1], attached: [tip]}
+      b: {type: rigid_body, node: b, mass: 1, center_of_mass: [0, 0.5, 0], inertia: [0.1, 0.1, 0.1]}
+    joints:
+      root: {type: hinge, nodes: [ground, a], axis: [1, 0, 0]}
+      knee: {type: hinge, nodes: [tip, b], axis: [1, 0, 0]}
+      lock: {type: grip, nodes: [a, b], while: HOLDS}
+    signals: {held: {type: switch, input: time, upper: 0.5, low: 1, high: 0}}
+    time: {end: 0.6, step: 1 ms}
+    """
+
+
+@pytest.mark.parametrize("holds", ["time < 0.5", "held > 0.5", "'min(0.001 - abs(knee.angle), 0.5 - time) > 0'"])
+def test_a_grip_that_is_closed_from_the_start_locks_a_hinge(holds):
+    """Five of its constraints repeat those of the hinge: both rods swing as one, and fold when it opens."""
+    given = deck(LOCKED.replace("HOLDS", holds))
+    assert len(prepare(given).analysis.redundant) == 5
+    run = RecordedRun(given)
+    locked = run.time < 0.5 + 1e-9
+    angle, rate = -run["joints/root/angle"][locked], run["joints/root/rate"][locked]
+    np.testing.assert_allclose(rate**2, 2.0 * 2.0 * 9.81 * np.sin(angle) / (0.2 + 0.5**2 + 1.5**2), atol=1e-4)
+    assert np.abs(run["joints/knee/angle"][locked]).max() < 1e-10 < 1e-3 < abs(run["joints/knee/angle"][-1])
+    assert ("opens", 0.5, "open") in events(run)
+
+
+def test_a_grip_that_is_closed_from_the_start_takes_part_in_the_equilibrium():
+    """Both rods hang in one line, at the angle of gravity; without the grip the knee would be free to turn, too."""
+    hanging = LOCKED.replace("HOLDS", "time < 0.5").replace("[0, 0, -9.81]", "[0, 6, -8]")
+    run = RecordedRun(deck(hanging.replace("time: {end: 0.6", "initial: static\n    time: {end: 0.1")))
+    np.testing.assert_allclose(run["joints/root/angle"], -np.arctan2(8.0, 6.0), atol=1e-9)
+    np.testing.assert_allclose(run["joints/knee/angle"], 0.0, atol=1e-9)
+    np.testing.assert_array_equal(run["joints/lock/closed"], 1.0)
 
 
 @pytest.mark.parametrize(

@@ -110,6 +110,10 @@ def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepare
     set_velocities(deck, system, state)
     state.v += begin.v
     _refuse_circles(deck, system, state)
+    if any(event.shock and event.condition for batch in system.batches for event in batch.kind.events):
+        from mecano.analyses.grips_at_start import with_closed_grips  # few models have grips
+
+        state = with_closed_grips(system, state)
     off = most_off(system, begin, length) if displacement > MOVED * length else ""
     analysis, soft = _redundancy(deck, system, state, length)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft, tuple(carried), off)

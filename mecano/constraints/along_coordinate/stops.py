@@ -168,7 +168,9 @@ def _samples(coordinate, phases):
 
 
 LOCKED_LATER = requirement(
-    lambda value: value != 0.0, "must not be zero: for a joint locked from the start use another kind of joint"
+    lambda value: value != 0.0,
+    "must not be zero: for a joint locked from the start use another kind of joint; a 'grip' between its bodies locks "
+    "it until a condition is false",
 )
 BELOW = requirement(lambda value: value <= 0.0, "must not be greater than zero, the initial value")
 ABOVE = requirement(lambda value: value >= 0.0, "must not be less than zero, the initial value")

@@ -42,9 +42,11 @@ class EventMonitor:
         self.impacts = np.array([bool(e.shock) for e in events], bool)
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, as are the conditions
-        self.conditions = np.flatnonzero([e.condition or bool(e.command) for e in events])
+        conditions = np.array([e.condition or bool(e.command) for e in events], bool)
+        self.conditions = np.flatnonzero(conditions)
         lasting = [lasts for batch in system.batches for _ in batch.names for lasts in _lasting(batch.kind.events)]
         self.lasting = np.array(lasting, bool)
+        self.reversible = conditions & ~self.lasting  # another event undoes them, as those of switches
         self.final = [  # phases of elements, and the one in which a run has ended
             (batch.phases, batch.kind.phases.index(event.after))
             for batch in self._batches
@@ -147,9 +149,8 @@ class EventMonitor:
         """Return the lasting conditions (n_events,) bool met at ``s``, with the switches that follow from it."""
         if not self.lasting.any():
             return self.lasting
-        switches = np.full(self.system.n_events, np.inf)
-        switches[self.conditions] = np.where(self.lasting[self.conditions], np.inf, 0.0)
-        return self.lasting & (self.values(solve_signals(self.system, self.settle(s, switches).copy())) > 0.0)
+        switches = self.settle(s, np.where(self.reversible, 0.0, np.inf))
+        return self.lasting & (self.values(solve_signals(self.system, switches.copy())) > 0.0)
 
 
 def _lasting(events):
