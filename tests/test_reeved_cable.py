@@ -5,6 +5,7 @@ import textwrap
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck, input_deck
 
 import mecano
@@ -12,6 +13,9 @@ from mecano.analyses.dynamic import run
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import ConvergenceError, DeckError
+from mecano.post.belt_lines import belt_lines
+from mecano.post.runs import opened_runs
+from mecano.post.shapes import Motion
 
 S, g = "Cables that slide over pulleys", 9.81
 
@@ -242,7 +246,7 @@ ROUGH = "friction: {coefficients"
     "change, message",
     [
         (("radii: [0, -0.2, 0]", "radii: [0, -0.2]"), "'radii' must have 3 numbers, one for each node; it has 2"),
-        (("radii: [0, -0.2, 0]", "radii: [0, 0, 0]"), "'wheel' is a pulley between the ends: give its radius, > 0"),
+        ((", axis: [0, -1, 0]", ""), "missing 'axis', that of the pulleys"),
         (("radii: [0, -0.2, 0]", "radii: [0, -0.2, 0.1]"), "the cable ends at 'right', a point with the radius 0"),
         (("radii: [0, -0.2, 0]", "radii: [0, -2, 0]"), "'left' and 'wheel' are 1.02 m apart, and must be more than 2"),
         (("nodes: [left, wheel, right], radii: [0, -0.2, 0]", "nodes: [left, right], radii: [0, 0]"), "is a 'cable'"),
@@ -325,3 +329,68 @@ def test_a_drum_that_pays_out_a_rope_bears_its_tension(verify):
     verify(S, "drum that pays out a rope: speed after 1 s [m/s]", found, fall, source, relative=1e-5)
     np.testing.assert_allclose(m["elements/rope/tension"][-1], 20 * (g - fall), rtol=1e-5)
     assert np.ptp(m["energy/balance"]) < 1e-7 * np.ptp(m["energy/kinetic"])
+
+
+THREADED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      post: {position: [0, 0, 3], fixed: true}
+      ring: {position: [1.5, 0.5, 1.8]}
+      corner: {position: [3, -1, 3], fixed: true}
+      weight: {position: [3.4, -1.3, 1.5]}
+    elements:
+      ring: {type: point_mass, node: ring, mass: 2}
+      weight: {type: point_mass, node: weight, mass: 1.5}
+      rope: {type: reeved_cable, nodes: [post, ring, corner, weight], radii: [0, 0, 0, 0], axial_stiffness: 400,
+             pretension: 15}
+    joints: {level: {type: held_rotation, nodes: [ground, ring]}}
+    initial: {velocities: [{nodes: [ring], velocity: [0.5, 1, 0]}, {nodes: [weight], velocity: [0, 0.6, 0]}]}
+    time: {end: 1.2, step: STEP, rho_inf: 1}
+"""
+
+
+def test_a_rope_slides_through_a_ring_and_a_corner(verify):
+    """In space, from the potential EA (l - L)^2/(2 L) of its length alone, with the tension at the start."""
+    corners = np.array([[0.0, 0.0, 3.0], [3.0, -1.0, 3.0]])
+    start, masses = np.array([1.5, 0.5, 1.8, 3.4, -1.3, 1.5]), np.repeat([2.0, 1.5], 3)
+
+    def spans(x):
+        points = np.array([corners[0], x[:3], corners[1], x[3:]])
+        d = np.diff(points, axis=0)
+        return d, np.linalg.norm(d, axis=1)
+
+    natural = spans(start)[1].sum() / (1.0 + 15.0 / 400.0)
+
+    def motion(_, y):
+        d, lengths = spans(y[:6])
+        pulls = 400.0 * (lengths.sum() / natural - 1.0) * d / lengths[:, None]
+        force = np.concatenate([pulls[1] - pulls[0], -pulls[2]]) / masses
+        return np.concatenate([y[6:], force - np.tile([0.0, 0.0, g], 2)])
+
+    begin = np.concatenate([start, [0.5, 1.0, 0.0, 0.0, 0.6, 0.0]])
+    exact = solve_ivp(motion, (0.0, 1.2), begin, "DOP853", rtol=1e-11, atol=1e-11).y[:6, -1]
+    found = []
+    for step in ("1 ms", "0.5 ms"):
+        m = RecordedRun(deck(THREADED.replace("STEP", step)))
+        found.append(np.concatenate([m[f"nodes/{name}/position"][-1] for name in ("ring", "weight")]))
+        assert not any(event.name == "goes slack" for event in m.event_records)
+    verify.second_order(
+        S, "rope through a ring and an eyelet: places [m]", *found, exact, 1e-8, "SciPy, from its length"
+    )
+
+
+def test_an_eyelet_has_no_friction():
+    with pytest.raises(DeckError, match="'friction' is that of pulleys: a cable slides freely through an eyelet"):
+        deck(THREADED.replace("pretension: 15", f"{ROUGH}: [0.1, 0], regularization: 0.01}}").replace("STEP", "1 ms"))
+
+
+def test_the_spans_of_a_rope_through_eyelets_are_drawn(tmp_path):
+    """Straight from node to node; there are no pulleys."""
+    run(deck(THREADED.replace("STEP", "1 ms").replace("end: 1.2", "end: 0.01")), tmp_path / "rope.h5")
+    with opened_runs([tmp_path / "rope.h5"]) as [recorded]:
+        motion = Motion(recorded, slice(None))
+        lines = belt_lines(motion, recorded.deck["elements"]["rope"])
+        places = [motion.position(node) for node in ("post", "ring", "corner", "weight")]
+    for line, ends in zip(lines, zip(places, places[1:], strict=False), strict=True):
+        np.testing.assert_allclose(line, np.stack(ends, axis=1), atol=1e-12)

@@ -244,11 +244,13 @@ def span_record(first, second):
 
 
 def check_tangent(names, places, radii, frame):
-    """Return errors of two neighbours between which a belt has no tangent, or none in the plane of both.
+    """Return errors of two neighbours between which a belt has no tangent, or none in the plane of both pulleys.
 
     ``names``, ``places`` (3,) and ``radii`` are those of both nodes; ``frame`` (3, 3) has the axis in its last row.
     """
     across, along = np.hypot(*(frame @ np.subtract(places[1], places[0]))[:2]), frame[2] @ np.subtract(*places)
+    if not any(radii):  # two points
+        across, along = np.linalg.norm(np.subtract(*places)), 0.0
     least, both = abs(radii[1] - radii[0]), f"'{names[0]}' and '{names[1]}'"
     if across <= least:
         return [

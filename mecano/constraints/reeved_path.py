@@ -1,4 +1,4 @@
-r"""Path of a cable over pulleys: its spans, arcs and strain (equations in elements/members/reeved_cable.py).
+r"""Path of a cable over pulleys and through eyelets (equations in elements/members/reeved_cable.py).
 
 The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
 position and rotation of each pulley, the position of the last node, and the payout if that is a signal. In phases
@@ -99,10 +99,15 @@ def path(p, at):
     rate = dot(d, relative(at.v, 0)) / length
     for i in range(1, len(p.radii) - 1):
         d, _, free = span(p, at.q, i)
-        angle, before, behind, turning = arc(p, at, i)
-        turned = dot(before, relative(at.v, i - 1)) + dot(behind, relative(at.v, i)) + dot(turning, vec(at.v, 6 * i))
-        length = length + free + p.radii[i] * angle
-        rate = rate + dot(d, relative(at.v, i)) / free + p.radii[i] * turned
+        length = length + free
+        rate = rate + dot(d, relative(at.v, i)) / free
+        if p.radii[i] != 0.0:
+            angle, before, behind, turning = arc(p, at, i)
+            turned = (
+                dot(before, relative(at.v, i - 1)) + dot(behind, relative(at.v, i)) + dot(turning, vec(at.v, 6 * i))
+            )
+            length = length + p.radii[i] * angle
+            rate = rate + p.radii[i] * turned
     return length, rate
 
 
@@ -143,4 +148,5 @@ def commit(p, at, m_out):
     if lost(p, at):
         return
     for i in range(1, len(p.radii) - 1):
-        m_out[i - 1] = arc(p, at, i)[0] - p.start[i - 1]
+        if p.radii[i] != 0.0:
+            m_out[i - 1] = arc(p, at, i)[0] - p.start[i - 1]

@@ -82,6 +82,8 @@ rod, massless rod, distance joint, distance constraint -> rigid_rod bar | a bar 
 strut, truss, truss element -> bar rigid_rod spring_damper
 rope, wire, tendon, string, winch, hoist, winder -> cable reeved_cable belt | a winch is the 'payout' of a reeved_cable,
     also by the angle of a drum (docs/pulleys.md), or a cable with 'payout_tension'
+eyelet, fairlead, ring on a rope, guided cable, via point, seat belt, lanyard -> reeved_cable rigid_rod | an eyelet is a
+    node of the radius zero between the ends of a reeved_cable, which slides through it
 flexible body, fem, finite element, reduced model, craig bampton, substructure, component mode -> superelement beam |
     `mecano reduce` makes the matrices of a superelement
 shell, plate, membrane, solid, volume -> superelement | not available; a superelement takes their reduced matrices from

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from mecano.post.shapes import AnyMotion
     from mecano.schema import Values
 
+UPRIGHT = (0.0, 0.0, 1.0)  # axis of a cable without pulleys
 RIM = np.linspace(0.0, 2.0 * np.pi, 49)
 
 
@@ -19,7 +20,7 @@ def belt_lines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     if not all(node in motion.nodes for node in nodes):
         return []
     places = [motion.position(node) for node in nodes]
-    e1, e2, _ = triad(d["axis"])
+    e1, e2, _ = triad(d.get("axis") or UPRIGHT)
     pairs = list(zip(range(len(nodes) - 1), range(1, len(nodes)), strict=True))
     pairs += [(len(nodes) - 1, 0)] if d.get("closed") else []
     lines = [_tangent(places[i], places[j], radii[i], radii[j], e1, e2) for i, j in pairs]
@@ -33,7 +34,9 @@ def belt_lines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
 
 
 def _tangent(x_0, x_1, radius_0, radius_1, e1, e2):
-    """Return both ends (instants, 2, 3) of the span between two circles in the plane of e1 and e2."""
+    """Return both ends (instants, 2, 3) of the span between two circles in the plane of e1 and e2, or two points."""
+    if not radius_0 and not radius_1:
+        return np.stack([x_0, x_1], axis=1)
     d = x_1 - x_0
     x, y = d @ e1, d @ e2
     lean = np.clip((radius_1 - radius_0) / np.hypot(x, y), -1.0, 1.0)

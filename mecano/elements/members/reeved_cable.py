@@ -3,7 +3,8 @@ r"""Cable that slides over pulleys: tackles, cranes, elevators, tendons; one ten
 It runs through ``nodes`` in their order, from a point to a point, to which it is fixed. Each node between them is the
 centre of a pulley, on a body or the ground, and has a radius: positive where the cable turns counter-clockwise about
 the ``axis``, negative where it turns clockwise. The pulleys need neither a body nor a hinge of their own, because the
-cable does not turn them: on pulleys with inertia or a torque use a ``belt``, which does not slip.
+cable does not turn them: on pulleys with inertia or a torque use a ``belt``, which does not slip. A node between the
+ends whose radius is zero is an eyelet: the cable slides through this point, in any direction.
 
 A span from node i to node j is along the common tangent of both circles; on a pulley of the radius :math:`\rho_i` (zero
 at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the span before to that of the span after,
@@ -68,6 +69,7 @@ from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, N
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 TURN = 2.0 * np.pi
+NO_AXIS = (0.0, 0.0, 1.0)  # of a cable without pulleys
 
 
 @kernel
@@ -77,6 +79,8 @@ def _add_tension(p, at, f, N):
         d, _, free = span(p, at.q, i)
         pull(f, i, (N / free) * d)
     for i in range(1, len(p.radii) - 1):
+        if p.radii[i] == 0.0:
+            continue
         _, before, behind, turning = arc(p, at, i)
         couple = N * p.radii[i]
         pull(f, i - 1, couple * before)
@@ -96,6 +100,8 @@ def _put_closeness(p, at, y):
 def _put_arcs(p, at, y):
     """Write how the path lies on the pulleys: the angles of the arcs, the largest inclination and lift-off."""
     for i in range(1, len(p.radii) - 1):
+        if p.radii[i] == 0.0:
+            continue
         angle, _, _, _ = arc(p, at, i)
         wrap = select(p.radii[i] > 0.0, angle, -angle)
         axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
@@ -145,9 +151,14 @@ def _functions(strain_of):
     return named(residual, observe, event_values)
 
 
+def _frame(d):
+    """Return the triad (3, 3) of the axis of the pulleys; of any axis without pulleys."""
+    return triad(NO_AXIS if d["axis"] is None else d["axis"])
+
+
 def _start(d, nodes):
     """Return axes (n - 2, 3, 3) and arcs (n - 2,) [rad] of the pulleys, and the length of the path [m]."""
-    frame, radii = triad(d["axis"]), np.array(d["radii"])
+    frame, radii = _frame(d), np.array(d["radii"])
     ends = [(np.asarray(x, float), frame, np.eye(3), radius) for (x, _), radius in zip(nodes, radii, strict=True)]
     spans = [span_record(*pair) for pair in zip(ends, ends[1:], strict=False)]
     turned = np.array([b["angle_0"] - a["angle_1"] for a, b in zip(spans, spans[1:], strict=False)])
@@ -195,12 +206,9 @@ def _check_pulleys(d, nodes):
         f"'radii': the cable ends at '{names[i]}', a point with the radius 0; a drum at an end needs a 'belt'"
         for i in (0, -1) if radii[i]
     ]  # fmt: skip
-    texts += [
-        f"'radii': '{name}' is a pulley between the ends: give its radius, > 0 where the cable turns counter-clockwise "
-        "about the 'axis', < 0 clockwise"
-        for name, radius in zip(names[1:-1], radii[1:-1], strict=True) if not radius
-    ]  # fmt: skip
-    frame = triad(d["axis"])
+    if any(radii) and d["axis"] is None:
+        texts.append("missing 'axis', that of the pulleys, about which a radius > 0 means counter-clockwise")
+    frame = _frame(d)
     for i in range(len(names) - 1):
         ends = slice(i, i + 2)
         texts += check_tangent(names[ends], [x for x, _ in nodes[ends]], radii[ends], frame)
@@ -216,6 +224,8 @@ def _check_friction(d):
         texts.append(f"'friction' needs {pulleys} coefficients, one for each pulley; it has {len(coefficients)}")
     if min(coefficients, default=0.0) < 0.0:
         texts.append("'friction' needs coefficients that are not negative")
+    if not all(d["radii"][1:-1]):
+        texts.append("'friction' is that of pulleys: a cable slides freely through an eyelet, of the radius 0")
     return texts
 
 
@@ -262,13 +272,15 @@ def sample(rng):
         "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1, "payout": hauled,
     }  # fmt: skip
     single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
+    threaded, apart = {**d, "radii": [0.0] * 4, "axis": None}, [(x + rng.normal(size=3) / 3.0, R) for x, R in nodes]
     rough = [{**d, "friction": {"coefficients": [0.3, 0.1], "regularization": u}} for u in (0.01, 30.0)]
     released = [({**one, **SAMPLE}, nodes, phase) for one in (d, rough[0]) for phase in (*PHASES, "released")]
     taken = {"time": 0.3, "when": None, "stress_free": True}
     activated = [({**one, "activate": taken}, nodes, at) for one in (d, rough[0]) for at in ("taut", "inactive")]
     return [
         *released, *activated, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"),
-        (single, [*nodes[:2], nodes[3]], "taut"),
+        (single, [*nodes[:2], nodes[3]], "taut"), (threaded, apart, "taut"),
+        ({**d, "radii": [0.0, 0.0, -0.15, 0.0]}, nodes, "taut"),
         *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
         *(({**one, "payout": "0.1*command"}, nodes, "taut") for one in (d, rough[0])),
     ]  # fmt: skip
@@ -276,8 +288,8 @@ def sample(rng):
 
 FIELDS = (
     Field("nodes", NODES, "-", "a point, the centres of the pulleys as the cable runs, and a point"),
-    Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0 at both ends"),
-    Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
+    Field("radii", NUMBERS, "m", "radius at each node, > 0 counter-clockwise about the axis; 0: ends and eyelets"),
+    Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes", None),
     AXIAL_STIFFNESS,
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
     Field("payout", CONTINUOUS_DRIVE, "m", "natural length paid out at the first node since the start; a winch that "
