@@ -293,3 +293,38 @@ def test_a_second_bolt_changes_neither_modes_nor_forces():
 def blade_moment():
     """Return the integral of the mass over the radius [kg m] of the unstrained blade."""
     return 2700 * 0.01 * 0.004 * (0.25**2 - 0.05**2) / 2
+
+
+ARTICULATED = """
+    mecano: 1
+    gravity: none
+    parameters: {offset: 0.3, length: 5, J: 40*$length**2/12, thin: 1.0e-7}
+    nodes:
+      hub: {position: [0, 0, 0]}
+      arm: {position: [$offset, 0, 0]}
+      cuff: {position: [$offset, 0, 0]}
+      blade: {position: [$offset, 0, 0]}
+    elements:
+      hub: {type: rigid_body, node: hub, mass: 10, inertia: [1, 1, 1], attached: [arm]}
+      cuff: {type: rigid_body, node: cuff, mass: 1, inertia: [$thin, $thin, $thin]}
+      blade: {type: rigid_body, node: blade, mass: 40, center_of_mass: [$length/2, 0, 0], inertia: [$thin, $J, $J]}
+    joints:
+      shaft: {type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}
+      motor: {type: prescribed_angle, nodes: [ground, hub], axis: [0, 0, 1], value: 30*time}
+      flap: {type: hinge, nodes: [arm, cuff], axis: [0, 1, 0]}
+      lag: {type: hinge, nodes: [cuff, blade], axis: [0, 0, 1]}
+    initial: {steady: {angular_velocity: [0, 0, 30], about: [0, 0, 0]}}
+    time: {end: 0.1, step: 1 ms}
+"""
+
+
+def test_flap_and_lag_of_an_articulated_blade(verify):
+    """n sqrt(1 + q) and n sqrt(q) with q = 3 e/(2 L), at the hinge offset e (Bramwell, Helicopter Dynamics, 1976)."""
+    q = 3.0 * 0.3 / (2.0 * 5.0)
+    found = modes(deck(ARTICULATED), None, frame="hub")[1].frequency
+    known = 30.0 / (2.0 * math.pi) * np.sqrt([q, 1.0 + q])
+    verify(S, "articulated blade: lag and flap [Hz]", found, known, "uniform rigid blade", relative=1e-7)
+
+
+def test_modes_of_a_rotor_in_inertial_axes_name_the_remedy():
+    assert "for a rotor take axes that turn with its hub, by --frame NODE" in modes(deck(ARTICULATED), None)[0]

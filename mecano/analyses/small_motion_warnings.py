@@ -103,7 +103,8 @@ def accuracy_warnings(
     if variation > CONSTANT:
         yield (
             "the linearized equations are not constant in these axes: while the fastest body turns by 1 rad they "
-            f"change by {variation:.2g} of their size, so {what} for this instant only; see --frame (in Python frame=)"
+            f"change by {variation:.2g} of their size, so {what} for this instant only; for a rotor take axes that "
+            "turn with its hub, by --frame NODE (in Python frame=)"
         )
     worst = float(np.max(residuals, initial=0.0))
     if worst > CONVERGED:
