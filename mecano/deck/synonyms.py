@@ -72,8 +72,10 @@ roller, roller support, inplane, in plane, point on plane, point in plane -> pre
 inline, in line, point on line, pin in slot, slotted link, scotch yoke -> point_on_curve prismatic generic | a point of
     one body slides along a curve of another; in a straight slot it is a generic joint with all axes free but one of the
     translations
-geneva, geneva wheel, geneva drive, maltese cross -> contact hinge | a pin that enters and leaves a slot touches its
-    walls, capsules, by a contact with a 'law'
+geneva, geneva wheel, geneva drive, maltese cross -> contact hinge nonlinear_coupler | a pin that enters and leaves a
+    slot touches its walls, capsules, by a contact with a 'law'; without play, the wheel is a function of the crank
+speed motor, given speed, velocity motion, prescribed velocity, prescribed speed -> prescribed_angle integrator
+    acceleration | a drive prescribes an angle: integrate the speed (docs/decks.md, Inverse dynamics)
 support, ground joint, fixation, boundary condition, constraint -> nodes fixed prescribed_position held_rotation | a
     node with 'fixed: true' is held; 'ground' may be one of two nodes
 body, link, inertia, lumped mass body -> rigid_body
