@@ -12,8 +12,8 @@ from time_runs import INPUTS
 
 import mecano.post
 from mecano.elements import KINDS
-from mecano.post.plans import _PLANS
-from mecano.post.runs import open_runs
+from mecano.post.plans import _PLANS, plans
+from mecano.post.runs import open_runs, opened_runs
 from mecano.post.shapes import SHAPES, Motion, shapes
 from mecano.post.sheets import default_sheets
 
@@ -49,6 +49,16 @@ def test_post_names_no_kind():
         if f'"{kind}"' in file.read_text()
     ]
     assert named == []
+
+
+def test_directions_have_no_panel(tmp_path):
+    """The magnitude of a direction is 1; angles and velocities of an attitude have theirs."""
+    command = ("run", INPUTS / "gimbal.yaml", "-q", "-o", tmp_path / "gimbal.h5", "--set", "time.end=0.1")
+    assert mecano_process(*command)[0] == 0
+    with opened_runs([tmp_path / "gimbal.h5"]) as runs:
+        (plan,) = [plan for plan in plans(runs) if plan.name == "attitude"]
+        names = {name for view in plan.views for name in view.outputs}
+    assert {"yaw", "velocity.magnitude"} < names and not any("axis" in name for name in names)
 
 
 def test_the_results_file_determines_how_its_kinds_are_drawn(drop, tmp_path):

@@ -189,7 +189,7 @@ def pictures_of(run: "Run", path: str) -> tuple[str, ...]:
 def _own_plan(kind, run, path):
     """Return a Plan with a View of each output of the kind, from the element, joint or load of a path.
 
-    The point at which its force acts has none: the distance of a point from the origin says nothing.
+    The point at which its force acts has none, nor has a direction: their magnitudes say nothing.
     """
     place = run.display(run.pieces[path]).force_at
     outputs = {name.rpartition("/")[2]: series for name, series in run.results.series.items()
@@ -197,6 +197,6 @@ def _own_plan(kind, run, path):
     views = [
         View(name.replace("_", " "), (f"{name}.magnitude" if series.shape else name,))
         for name, series in outputs.items()
-        if name != place
+        if name != place and not (series.shape and series.unit == "-")
     ]
     return Plan(kind, kind.replace("_", " ").capitalize(), tuple(views))

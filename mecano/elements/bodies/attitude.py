@@ -78,7 +78,10 @@ ATTITUDE = Kind(
             "specific_force", "m/s2", "acceleration less gravity in the axes of the node, as accelerometers measure it",
             (3,),
         ),
-        *(Output(f"{c}_axis", "-", f"direction of the {c} axis of the node, inertial", (3,)) for c in "xyz"),
+        *(
+            Output(f"{c}_axis", "-", f"direction of the {c} axis of the node, inertial", (3,), geometric=True)
+            for c in "xyz"
+        ),
     ),
     hidden={"acceleration": WASHOUT, "specific_force": WASHOUT},
     memory=("yaw", "roll"),
