@@ -77,11 +77,12 @@ time: {end: 1.0, step: 0.01}
 """
 
 
-def test_motions_that_contradict_one_another_have_places(tmp_path):
+@pytest.mark.parametrize("use", [mecano.check, lambda path: mecano.run(path, path.with_suffix(".h5"), quiet=True)])
+def test_motions_that_contradict_one_another_have_places(use, tmp_path):
     path = tmp_path / "motors.yaml"
     path.write_text(MOTORS)
     with pytest.raises(AssemblyError, match="contradict") as refusal:
-        mecano.run(path, tmp_path / "motors.h5", quiet=True)
+        use(path)
     for i, name in enumerate(("slow", "fast")):
         assert f"prescribed_angle '{name}' is at {path}:{7 + i}:3" in str(refusal.value)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_state import describe
 from mecano.analyses.initial_velocities import NOTICED, changed_velocities, set_in_motion
 from mecano.analyses.memory_estimate import memory_of_run, memory_text
@@ -17,6 +18,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.solve.diagnostics.mobility import MANY
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 from mecano.solve.time.consistent import Consistent
+from mecano.solve.time.contradictions import Contradictions
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
@@ -30,7 +32,7 @@ INDENT = " " * 17
 
 
 def summary(deck: "Deck", every: bool = False) -> str:
-    """Return the summary of a checked deck as text. Raises AssemblyError if the positions cannot be assembled.
+    """Return the summary of a checked deck as text. Raises AssemblyError if its constraints cannot be met at the start.
 
     Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
     """
@@ -199,9 +201,10 @@ def _run_size_lines(prepared):
 
 
 def _consistent_start(prepared):
-    """Return the State at the start with velocities that satisfy the constraints; None if there are none.
+    """Return the State at the start with velocities that satisfy the constraints; None if masses leave them open.
 
-    If the velocities of the deck satisfy them, nothing is computed or compiled.
+    If the velocities of the deck satisfy them, nothing is computed or compiled. Raises AssemblyError if constraints
+    contradict one another.
     """
     start = prepared.state.copy()
     rates = np.abs(prepared.system.constraint_derivatives(start)[:, 1])
@@ -212,6 +215,9 @@ def _consistent_start(prepared):
     except AssemblyError:
         return None
     consistent.project_velocity(start)
+    with locating(prepared.deck):
+        contradictions = Contradictions(prepared.system, prepared.length, prepared.compliance)
+        contradictions.refuse(start, prepared.deck.values["time"]["step"])
     return start
 
 
