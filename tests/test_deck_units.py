@@ -7,6 +7,7 @@ import pytest
 from deck_samples import VALID, problems_of, read_fake
 from time_runs import INPUTS, input_deck
 
+from mecano.deck import expression_units
 from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import _unit_in_use, units_in
 from mecano.deck.read import deck_of_bytes
@@ -352,6 +353,15 @@ def test_units_of_expressions(mass, text):
         return
     found = [problem.message for problem in read_fake(text_of_deck).warnings if "expression" in problem.message]
     assert len(found) == bool(text) and all(text in message for message in found), found
+
+
+def test_units_of_a_chain_of_expressions_are_found_once(monkeypatch):
+    """Each parameter occurs twice in the next one: found anew in each place, they would take 2^15 evaluations."""
+    evaluated, of_text = [], expression_units._of_text
+    monkeypatch.setattr(expression_units, "_of_text", lambda *given: evaluated.append(given) or of_text(*given))
+    chain = "".join(f", p{i}: $p{i - 1} + $p{i - 1}" for i in range(1, 16))
+    read_fake(VALID.replace("mass: 82.0", f"mass: $p15, p0: 1 kg{chain}"))
+    assert 15 <= len(evaluated) < 50
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ A number in an expression may have any unit, and so may what it is multiplied wi
 """
 
 import ast
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.expressions import NAME, is_expression
@@ -45,7 +46,7 @@ def _of_text(text, scope, depth):
 def _of_tree(tree, scope, depth):
     """Return the Powers of a part of an expression, which has been evaluated before."""
     if isinstance(tree, ast.Name):
-        return _of_parameter(scope.parameters.node(tree.id.removeprefix("_")), scope, depth)
+        return _of_parameter(tree.id.removeprefix("_"), scope, depth)
     if isinstance(tree, ast.UnaryOp):
         return _of_tree(tree.operand, scope, depth)
     if isinstance(tree, ast.Call):
@@ -65,13 +66,15 @@ def _of_tree(tree, scope, depth):
     return tuple(a + sign * b for a, b in zip(left, right, strict=True))
 
 
-def _of_parameter(node, scope, depth):
-    if node is None or type(node.value) is not str:
-        return None
-    try:
-        return _of_text(node.value, scope, depth + 1)
-    except Unlike:  # a warning of its own
-        return None
+def _of_parameter(name, scope, depth):
+    """Return the Powers of a parameter, found once: each of a chain may occur several times in the next one."""
+    found, node = scope.parameters.dimensions, scope.parameters.node(name)
+    if name not in found:
+        found[name] = None
+        if node is not None and type(node.value) is str:
+            with suppress(Unlike):  # a warning of its own
+                found[name] = _of_text(node.value, scope, depth + 1)
+    return found[name]
 
 
 def _power(powers, exponent):

@@ -37,6 +37,7 @@ class Parameters:
         self.nodes = nodes or {}
         self.outer = outer
         self.values: dict[str, float | None] = {}  # name -> number, or None when it was refused
+        self.dimensions: dict[str, tuple[float, ...] | None] = {}  # name -> powers of m, kg and s; None if unknown
         self.used: set[str] = set()  # names that have been referred to
         self.words: set[str] = set()  # names of the deck's parameters that are words
         self._open: list[str] = []  # names being evaluated
