@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, friction_record
-from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS
+from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS, check_set_point
 from mecano.constraints.along_coordinate.stops import check_ends, end_fields, end_parts
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
@@ -22,8 +22,6 @@ from mecano.constraints.of_coordinates import (
 from mecano.constraints.pair import coordinate_of
 from mecano.element_interface import Part
 from mecano.immutable import immutable
-
-NOT_GIVEN = 0.0, (("constant", {"value": 0.0}),)  # set points
 
 
 @immutable
@@ -45,11 +43,7 @@ def _law_option(fields, kind, axis):
         axes, start = coordinate_of(axis, place)
         return [] if d[law] is None else [law_part(kind, axes, d[law], d[set_point], context, start)]
 
-    def check(d):
-        alone = d[law] is None and d[set_point] not in NOT_GIVEN
-        return [f"{set_point!r} is that of a {law!r}, which is missing"] if alone else []
-
-    return Option(fields, parts, ((law, kind, ""),), check)
+    return Option(fields, parts, ((law, kind, ""),), lambda d: check_set_point(d, law, set_point))
 
 
 def _end_option(coordinate, latches, stop, axis):

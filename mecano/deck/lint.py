@@ -2,8 +2,8 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-joints that bind; loads on fixed nodes; delays of many steps; laws of time that the steps do not sample; motions that
-jump; triggers outside of a run; unused entries.
+joints that bind; values and triggers without effect; delays of many steps; laws of time that the steps do not sample;
+motions that jump; unused entries.
 """
 
 import math
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
-from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
+from mecano.deck.without_effect import without_effect
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind, nothing
 from mecano.errors import Problem, name_list
@@ -67,8 +67,8 @@ def suspicious(
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
-        *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
-        *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
+        *_tires(values["tire_laws"]), *without_effect(values, kinds),
+        *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds),
         *_partly_moving(values, kinds), *_motions(values, kinds), *_bodies(values),
         *_orbits(values), *_delays(values),
     ]  # fmt: skip
@@ -358,11 +358,3 @@ def _in_other_units(d):
         share = size["deflection"] / size["diameter"]
         text = f"'smiley_horne.load' of {size['load']:g} N deflects the tyre by {share:.2g} of its diameter"
         yield ("smiley_horne", "load"), f"{text}; the usual load by 0.05 to 0.1: is it in N?"
-
-
-def _loads_without_effect(loads, nodes):
-    """Yield (path, text) on loads without effect."""
-    for name, d in loads.items():
-        if d.get("node") in nodes and nodes[d["node"]]["fixed"]:
-            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load has no effect"
-            yield ("loads", name, "node"), text

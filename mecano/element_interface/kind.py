@@ -127,6 +127,8 @@ class DeckEntry:
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
     bounds: Callable = nothing
     """deck values -> [(output, (low, high), text)]: a warning with the text when the output leaves them"""
+    without_effect: Callable = nothing
+    """deck values -> [(field, text)]: a warning for each value that the other values make irrelevant; why"""
     end_conditions: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value; instead of the
     text, a function of (name of an output -> its value) that returns it"""

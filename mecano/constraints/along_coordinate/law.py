@@ -20,6 +20,7 @@ from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
 SET_POINT = "at which the extension of the {} law is zero"
 STILL = (0.0, 0.0)  # a set point that does not move, and its rate
+NOT_GIVEN = 0.0, (("constant", {"value": 0.0}),)  # set points
 
 TURNING_FIELDS = (
     Field(
@@ -37,6 +38,12 @@ SLIDING_FIELDS = (
 )  # fmt: skip
 COORDINATES = (TURNING_FIELDS, "angle", "the moment"), (SLIDING_FIELDS, "displacement", "the force")
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
+
+
+def check_set_point(d, law, set_point):
+    """Return an error if a joint has a ``set_point`` without the ``law`` to which it belongs."""
+    alone = d[law] is None and d[set_point] not in NOT_GIVEN
+    return [f"{set_point!r} is that of a {law!r}, which is missing"] if alone else []
 
 
 def bounds(d):

@@ -24,7 +24,7 @@ from mecano.constraints.along_coordinate.friction import (
     friction_record,
     radius,
 )
-from mecano.constraints.along_coordinate.law import SET_POINT, law_values
+from mecano.constraints.along_coordinate.law import SET_POINT, check_set_point, law_values
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
@@ -161,8 +161,9 @@ def parts_elastic(d, nodes, context):
 
 
 def check(d, nodes):
-    """Check that the nodes coincide initially and that the pins are perpendicular."""
-    return check_one_place(d, nodes) + check_friction(d) + check_perpendicular(d, "axis_a", "axis_b")
+    """Check that the nodes coincide initially, that the pins are perpendicular, and that set points have laws."""
+    set_points = [text for end in "ab" for text in check_set_point(d, f"turning_law_{end}", f"natural_angle_{end}")]
+    return check_one_place(d, nodes) + check_friction(d) + check_perpendicular(d, "axis_a", "axis_b") + set_points
 
 
 def sample(rng):

@@ -204,6 +204,14 @@ def check_cable(d, nodes):
     return []
 
 
+def without_effect(d):
+    """Return the values that have no effect on a line without mass, and on a cable that is not stretched."""
+    if d["mass_distribution"] == "lumped" and not d["mass_per_length"]:
+        yield "mass_distribution", "without 'mass_per_length' there is no mass"
+    if d.get("at_full_length") == "hold" and d["damping"]:
+        yield "damping", "with 'at_full_length: hold' the cable is not stretched"
+
+
 def sample_bar(rng):
     """Return a heavy bar in compression, and a lumped one with a section and a growing natural length."""
     growing = (("linear", {"slope": 0.4, "offset": 1.0}),)
@@ -285,6 +293,7 @@ _BAR = Kind(
     prepare=line_record,
     check=check,
     bounds=bounds,
+    without_effect=without_effect,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     inertia=line_inertia,
     measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},

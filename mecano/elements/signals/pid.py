@@ -124,6 +124,16 @@ def check(d, nodes):
     return found
 
 
+def without_effect(d):
+    """Return the times of a derivative without gain, and of an integral without gain or limits."""
+    if d["derivative_time"] is not None and not d["derivative"]:
+        yield "derivative_time", "the gain 'derivative' is zero"
+    if d["tracking_time"] is not None and not d["integral"]:
+        yield "tracking_time", "the gain 'integral' is zero"
+    elif d["tracking_time"] is not None and d["lower"] == -math.inf and d["upper"] == math.inf:
+        yield "tracking_time", "without 'lower' and 'upper' the integral is not reset"
+
+
 def sample(rng):
     """Return controllers at each limit and between them, and with one part only."""
     d = {"input": "a", "proportional": 2.0, "integral": 3.0, "derivative": 0.5, "derivative_time": 0.2}
@@ -149,5 +159,5 @@ PID = signal_of_input(
     **between_limits("the demand"),
     outputs=(VALUE, *STATES),
     variant=lambda d: _with(_scalars(d)),
-    **named(prepare, check, residual, observe, event_values, sample),
+    **named(prepare, check, without_effect, residual, observe, event_values, sample),
 )  # fmt: skip
