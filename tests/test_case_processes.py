@@ -77,6 +77,16 @@ def test_the_time_of_a_fork_begins_with_it(forked, tmp_path):
     assert ends(forked, [second])[second].code == 0, (tmp_path / "log").read_text()
 
 
+def test_a_fork_that_a_signal_ends_at_once_has_a_log(forked, tmp_path):
+    """The study reads there why it ended."""
+    for i in range(4):
+        log = tmp_path / f"{i}.log"
+        number = forked.start(run(tmp_path / f"{i}.h5"), log)
+        forked.send(number, signal.SIGINT)
+        assert log.exists()
+        assert ends(forked, [number])[number].code in (-signal.SIGINT, 130) and "Traceback" not in log.read_text()
+
+
 def test_signals_reach_a_fork(forked, tmp_path):
     number = forked.start(run(tmp_path / "long.h5", "--set", "time.end=1e4"), tmp_path / "log")
     while not (tmp_path / "long.h5").exists():

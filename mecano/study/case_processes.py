@@ -133,6 +133,7 @@ class ForkedProcesses:
 
     def start(self, words: Sequence[str], log: Path) -> int:  # noqa: D102
         server = self._server = self._server or self._begun()
+        log.touch()  # a signal may end the process before it opens the file
         with contextlib.suppress(BrokenPipeError):
             server.requests.write(f"{json.dumps([list(words), str(log)])}\n".encode())
             server.requests.flush()

@@ -31,6 +31,7 @@ def serve(deck: str, overrides: Sequence[str], plugin_files: Sequence[str]) -> N
             plugins.load(file)
         list(warmup([deck], overrides))
     gc.collect()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # ends a fork silently until it handles signals, as in __main__
     gc.freeze()  # later collections would copy the pages that all processes share
     signal.signal(signal.SIGCHLD, lambda *_: _report(replies))
     for request in sys.stdin:
