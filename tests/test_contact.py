@@ -289,6 +289,16 @@ def test_a_node_on_or_pressed_into_a_sphere_is_outside_of_it(law, depth):
     assert deck_of_bytes(text.replace("\n    ", "\n").strip().encode(), "deck.yaml").values["elements"]
 
 
+def test_a_ball_on_the_ground_is_refused():
+    """Its place would be that of the body: nodes in the wrong order. A rod there has a place."""
+    text = BALL.format(gx=0, gz=-g, start="[0, 0, 0.5]", contact=f"{FLOOR}, radius: 0.1", end=1, step=0.01)
+    swapped = text.replace("nodes: [ground, ball]", "nodes: [ball, ground]")
+    with pytest.raises(DeckError, match=r"node b cannot be the ground, .* as in \[ground, ball\]"):
+        deck(swapped)
+    rod = "cylinder: {axis: [0, 1, 0], radius: 0.1}, rod: {axis: [1, 0, 0], length: 1, center: [0, 0, 0]}, radius: 0.1"
+    deck(swapped.replace(f"{FLOOR}, radius: 0.1", rod))
+
+
 IMPACTS = """
     mecano: 1
     gravity: none

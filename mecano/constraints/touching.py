@@ -216,7 +216,7 @@ def touch_at_start(shapes, d, nodes):
 
 
 def check_one_surface(d):
-    """Return errors for none or several surfaces, and for a surface of the ground without a position."""
+    """Return errors for none or several surfaces, and for a surface, ball or wheel of the ground without a position."""
     surfaces = [name for name in SURFACES if name in d]
     if sum(d[name] is not None for name in surfaces) != 1:
         return [f"give exactly one of {', '.join(map(repr, surfaces))}"]
@@ -224,6 +224,9 @@ def check_one_surface(d):
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:
         return [f"'{name}' needs '{place}': the ground has no position"]
+    if d["nodes"][1] == "ground" and not any(d.get(shape) for shape in ("rod", "ellipsoid", "face")):
+        first = f"the node that carries the {name} comes first, as in [ground, {d['nodes'][0]}]"
+        return [f"'nodes': node b cannot be the ground, which has no position; {first}"]
     return []
 
 
