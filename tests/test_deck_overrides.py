@@ -4,6 +4,7 @@ import pytest
 from deck_samples import VALID, problems_of, read_fake
 
 from mecano.deck.overrides import ADDING
+from mecano.deck.read import deck_of_bytes
 from mecano.errors import DeckError
 
 
@@ -138,3 +139,39 @@ def test_wrong_overrides(override, problem):
 def test_all_wrong_overrides_at_once_with_the_problems_of_the_deck():
     found = problems_of(VALID.replace("title:", "titel:"), ["nodes.tpo.fixed=true", "time.end=x"])
     assert len(found) == 3
+
+
+REPEATED = """mecano: 1
+gravity: none
+parameters: {last: 4, side: left}
+nodes: {hub: {position: [0, 0, 0]}, left: {position: [0, 0, 1]}, rib$i: {repeat: {i: 1..$last}, position: [$i, 0, 0]}}
+elements:
+  wing: {type: rigid_body, node: hub, mass: 9, inertia: [1, 1, 1], attached: [$side, rib1, rib2, rib3, rib4]}
+time: {end: 1, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize(
+    ("attached", "names"),
+    [
+        ("[{repeat: {i: 1..$last}, items: [rib$i]}, left]", ["rib1", "rib2", "rib3", "rib4", "left"]),
+        ("[rib4, rib3, $side, {repeat: {i: 1..2}, items: [rib$i]}]", ["rib4", "rib3", "left", "rib1", "rib2"]),
+    ],
+)
+@pytest.mark.parametrize("of_variant", [False, True])
+def test_lists_of_overrides_may_have_repeated_items_and_words(attached, names, of_variant):
+    path = "elements.wing.attached"
+    if of_variant:
+        deck = deck_of_bytes(f"{REPEATED}set: {{{path}: {attached}}}\n".encode(), "deck.yaml")
+    else:
+        deck = deck_of_bytes(REPEATED.encode(), "deck.yaml", overrides=[f"{path}={attached}"])
+    assert deck.values["elements"]["wing"]["attached"] == names
+    assert not deck.warnings
+
+
+def test_wrong_repeated_items_of_overrides_are_reported_there():
+    given = "elements.wing.attached=[{repeat: {i: 1..5}, items: [rib$i]}, left]"
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(REPEATED.encode(), "deck.yaml", overrides=[given])
+    (problem,) = info.value.problems
+    assert str(problem.mark) == "override elements.wing.attached:1:53" and "unknown node 'rib5'" in problem.message

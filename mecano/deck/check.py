@@ -119,8 +119,8 @@ def scope_of(
     return Scope(CHECKS, ChainMap[str, Any](kinds, SHAPES), terms, folder, problems, parameters=parameters)
 
 
-def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "Node":
-    """Return the tree with all copies of templates and repeated entries expanded."""
+def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "tuple[Node, Copies]":
+    """Return the tree with all copies of templates and repeated entries expanded, and the Copies that expand more."""
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:
@@ -132,7 +132,7 @@ def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "Node"
                 "this must be a number: it contains a value of 'repeat' or 'place' that is not a number",
             )
         raise DeckError(scope.problems, UNCHECKED)
-    return root
+    return root, copies
 
 
 def checked_values(root: "Node", sections: Sequence[Field], scope: Scope) -> Values:

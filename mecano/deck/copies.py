@@ -94,6 +94,10 @@ class Copies:
             value["parameters"] = (key, without(node, self.words))  # those that remain are numbers
         return Node(value, root.source, root.line, root.column)
 
+    def with_items(self, node: Node) -> Node:
+        """Return a value of an override with words, and the repeated items of its lists, written out."""
+        return self.copy(node, self.deck) if self._has_word(node) or repeats_items(node) else node
+
     def sections(self, body: Node, level: Level) -> dict[str, Entries]:
         """Return {section: {name: (key, node)}} of the deck or of a template, including the templates it places."""
         found = {}

@@ -1,7 +1,7 @@
 """``--set a.b.c=value``: values of the command line, inserted into the tree of a deck before it is checked."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -23,24 +23,41 @@ INDEXED = r"\[([0-9]{1,9})\]"
 ITEM = rf"([^\[\]]+)({INDEXED})+"  # as in messages: nodes[1]
 
 
-def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]", problems: list[Problem]) -> Node:
+def as_written(value: Node) -> Node:
+    """Return the ``value`` of an override."""
+    return value
+
+
+def overridden(
+    root: Node,
+    overrides: Iterable[str],
+    sections: "Iterable[Field]",
+    problems: list[Problem],
+    expanded: Callable[[Node], Node] = as_written,
+) -> Node:
     """Return a copy of the tree with the overrides applied in order.
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
     from 0, the value is YAML. New keys are allowed where the schema has them; names in a section of names (nodes,
-    laws, parameters...) must exist in the deck; null removes them, except parameters, and terms of laws. Adds to
-    ``problems``.
+    laws, parameters...) must exist in the deck; null removes them, except parameters, and terms of laws. ``expanded``
+    is called with each value. Adds to ``problems``.
     """
     names = {field.name for field in sections if field.type.name == "named"}
     for text in overrides:
         try:
-            root = _applied(root, text, names)
+            root = _applied(root, text, names, expanded)
         except DeckError as error:
             problems.extend(error.problems)
     return root
 
 
-def settled(root: Node, settings: "Iterable[Pair]", sections: "Iterable[Field]", problems: list[Problem]) -> Node:
+def settled(
+    root: Node,
+    settings: "Iterable[Pair]",
+    sections: "Iterable[Field]",
+    problems: list[Problem],
+    expanded: Callable[[Node], Node] = as_written,
+) -> Node:
     """Return a copy of the tree with the ``settings`` (path, value) of a deck applied in order, as ``overridden``."""
     names = {field.name for field in sections if field.type.name == "named"}
     for path, new in settings:
@@ -48,7 +65,7 @@ def settled(root: Node, settings: "Iterable[Pair]", sections: "Iterable[Field]",
         try:
             if not all(keys) or len(keys) > MAX_DEPTH:
                 _refuse(path, f"{quoted(str(path.value))} is not a path of keys separated by dots, such as 'time.end'")
-            root = _replaced(root, _places(keys, path), 0, new, names)
+            root = _replaced(root, _places(keys, path), 0, expanded(new), names)
         except DeckError as error:
             problems.extend(error.problems)
     return root
@@ -60,7 +77,7 @@ def shown(path: str) -> str:
     return f"override {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
 
 
-def _applied(root, text, names):
+def _applied(root, text, names, expanded):
     path, equals, value = text.partition("=")
     whole = Source(shown(path), text)
     if FORBIDDEN.search(text):
@@ -73,7 +90,7 @@ def _applied(root, text, names):
     new = compose(source, problems) or Node(None, source)
     if problems:
         raise DeckError(problems)
-    return _replaced(root, _places(keys, Node(path, whole)), 0, new, names)
+    return _replaced(root, _places(keys, Node(path, whole)), 0, expanded(new), names)
 
 
 def _places(keys, path):

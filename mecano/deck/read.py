@@ -82,12 +82,12 @@ def deck_of(
     doubts += _doubts(before, root, [text.partition("=")[0] for text in first])
     scope = scope_of(root, kinds, terms, folder, problems)
     scope.files, scope.included = inclusion.files, inclusion.beside
-    root = written_out(root, sections, scope)
+    root, copies = written_out(root, sections, scope)
     later = [pair for pair in inclusion.settings if pair not in early]
-    before, root = root, settled(root, later, sections, problems)
+    before, root = root, settled(root, later, sections, problems, copies.with_items)
     doubts += _doubts(before, root, [str(path.value) for path, _ in later])
     others = [text for text in overrides if text not in first]
-    before, root = root, overridden(root, others, sections, problems)
+    before, root = root, overridden(root, others, sections, problems, copies.with_items)
     doubts += _doubts(before, root, [text.partition("=")[0] for text in others])
     values = checked_values(root, sections, scope)
     lint = suspicious(values, root, scope.used_names(), kinds, bool(overrides or scope.parameters.words))
