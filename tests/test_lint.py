@@ -87,6 +87,58 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
 
 
 @pytest.mark.parametrize(
+    ("parameters", "value", "said", "unit"),
+    [
+        ("goal: 30 deg", "$goal - pin.angle", "", "rad"),
+        ("goal: 30 m", "$goal - pin.angle", "adds or compares m and rad", "SI"),
+        ("goal: 30 deg", "max(2*$goal, bob.position.x)", "", "SI"),  # a number may have any unit
+        ("goal: 30 deg", "max($goal, bob.position.x)", "adds or compares rad and m", "SI"),
+        ("k: 3 N m/deg", "-$k*pin.angle", "", "N m"),
+        ("c: 3 N m s, k: 2 N m", "(-$k)*pin.angle + ($c - $c)*pin.rate", "", "N m"),
+        ("k: 2 N m, sum: $k + 0", "$sum*pin.angle", "", "N m"),
+        ("a: 2, k: 2 N m", "$a*pin.angle/$k", "", "SI"),
+        ("late: 3 s, b: 5 s", "step(time, $late, $b)", "", "-"),
+        ("late: 3 kg", "min(time, $late)", "adds or compares s and kg", "SI"),
+    ],
+)  # fmt: skip
+def test_units_of_parameters_in_formulas(parameters, value, said, unit):
+    """They are those of the quantities in whose place they stand."""
+    found = prepare(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        parameters: {{{parameters}}}
+        nodes: {{bob: {{position: [0, 0, 0]}}}}
+        elements: {{bob: {{type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}}}
+        joints: {{pin: {{type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}}}
+        signals: {{found: "{value}"}}
+        time: {{end: 1, step: 0.1}}
+        """)
+    )
+    texts = [text for text in warnings_of(found) if "is not used" not in text]
+    assert len(texts) == bool(said) and all(said in text for text in texts), texts
+    assert found.system.signal_units["signals/found/value"] == unit
+
+
+def test_units_of_parameters_in_conditions():
+    """At a mistaken unit in a condition, and none where it agrees."""
+    wrong, right = (
+        warned(f"""
+        mecano: 1
+        gravity: none
+        parameters: {{limit: {limit}}}
+        nodes: {{bob: {{position: [0, 0, 0]}}}}
+        elements: {{bob: {{type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}}}
+        joints:
+          pin: {{type: hinge, nodes: [ground, bob], axis: [0, 0, 1], release: {{when: pin.angle > $limit}}}}
+        time: {{end: 1, step: 0.1}}
+        """)
+        for limit in ("3 m", "30 deg")
+    )
+    assert right == [] and len(wrong) == 1 and "adds or compares rad and m" in wrong[0]
+
+
+@pytest.mark.parametrize(
     ("name", "override", "text"),
     [
         ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),

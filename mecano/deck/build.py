@@ -43,7 +43,7 @@ def build(deck: "Deck") -> Model:
         from mecano.constraints.run_end import RUN_END  # few decks need it
 
         elements.append(Element("until", RUN_END, (), {"until": values["time"]["until"]}))
-    return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
+    return Model(nodes, elements, LawTable(), np.array(values["gravity"], float), deck.units_in_formulas)
 
 
 def _kind_in(d, time):

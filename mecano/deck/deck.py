@@ -35,6 +35,8 @@ class Deck:
     """section -> {name: node of the tree that holds the name}"""
     formulas: "dict[str, Mark]" = field(default_factory=dict, repr=False)
     """text of a formula -> Mark of its first place"""
+    units_in_formulas: dict[str, dict[int, str]] = field(default_factory=dict, repr=False)
+    """text of a formula -> {i: SI unit} of its operands that were parameters with units"""
     motions: tuple[tuple[Any, str | int, str], ...] = field(default=(), repr=False)
     """(mapping in ``values``, key, formula as written, with names of signals) of prescribed motions"""
 

@@ -1,20 +1,24 @@
-"""Warnings about expressions whose parameters have units: unlike quantities added, a result of another dimension.
+"""Units of parameters in expressions and formulas, and warnings about expressions in which they do not agree.
 
-A number in an expression may have any unit, and so may what it is multiplied with or divided by; angles are numbers.
+Unlike quantities are added, or the result has another dimension. A number in an expression may have any unit, and so
+may what it is multiplied with or divided by; angles are numbers.
 """
 
 import ast
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.expressions import NAME, is_expression
-from mecano.deck.units import dimension_of, unit_of_dimension
+from mecano.deck.units import dimension_of, is_quantity, number_and_unit, unit_of_dimension, written_in_si
+from mecano.laws.formula import COMPARISON, INPUT, difference_of, read_formula
 
 if TYPE_CHECKING:
     from mecano.deck.scope import Scope
 
 Powers: TypeAlias = "tuple[float, ...] | None"  # of m, kg and s; None where they are unknown
 LIKE = ("abs", "min", "max", "hypot")  # functions of quantities of one dimension, which is that of their value
+MARK = "parameter.n"  # of a parameter in a formula, which is read as a quantity
 DEEPEST = 20  # parameters that are expressions of others
 
 
@@ -32,6 +36,29 @@ def doubt(text: str, declared: str, scope: "Scope") -> str:
     if found is None or None in wanted or found in wanted:
         return ""
     return f"it is in {unit_of_dimension(found)}, where {declared} is expected"
+
+
+def units_in_formula(text: str, scope: "Scope") -> dict[int, str]:
+    """Return {i: SI unit} of the parameters with units in a formula or condition, its i-th operands (Formula)."""
+    names = [match[1] for match in NAME.finditer(text)]
+    numbers = iter(range(len(names)))
+    text = NAME.sub(lambda match: f"{MARK}{next(numbers)}", text)
+    marked, found = read_formula(difference_of(text) if re.search(COMPARISON, text) else text), {}
+    for i, (code, x) in enumerate(marked.operands):
+        name = marked.references[int(x)] if code == INPUT else ""
+        if name.startswith(MARK) and (unit := _unit_of(names[int(name.removeprefix(MARK))], scope)):
+            found[i] = unit
+    return found
+
+
+def _unit_of(name, scope):
+    """Return the SI unit of a parameter: "" of a number, or if it is unknown."""
+    node = scope.parameters.node(name)
+    text = node.value if node is not None and type(node.value) is str else ""
+    if is_quantity(text):
+        return written_in_si(number_and_unit(text)[1])
+    powers = _of_parameter(name, scope, 0) if is_expression(text) else None
+    return unit_of_dimension(powers) if powers and any(powers) else ""
 
 
 def _of_text(text, scope, depth):

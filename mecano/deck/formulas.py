@@ -74,7 +74,7 @@ def condition(node: Node, field: Field, scope: Scope) -> str | Invalid:
         found = read_formula(difference_of(text))
     except FormulaError as error:
         return scope.refuse(node, f"the condition {node.value!r}: {error.message}")
-    scope.formulas.append((found, node, scope.subject))
+    _note_formula(found, node, scope)
     return text
 
 
@@ -119,8 +119,18 @@ def _number(match, scope):
 def _noted(found, node, scope):
     if found is INVALID:
         return INVALID
-    scope.formulas.append((found, node, scope.subject))
+    _note_formula(found, node, scope)
     return found.text
+
+
+def _note_formula(found, node, scope):
+    """Note the Formula of a node, and the units of the parameters in it."""
+    scope.formulas.append((found, node, scope.subject))
+    parameters = map(scope.parameters.node, NAME.findall(node.value))
+    if any(parameter and type(parameter.value) is str for parameter in parameters):  # a quantity or an expression
+        from mecano.deck.expression_units import units_in_formula  # few formulas have such parameters
+
+        scope.units_in_formulas[found.text] = units_in_formula(node.value, scope)
 
 
 def check_formulas(values: Values, scope: Scope) -> None:

@@ -99,7 +99,7 @@ def deck_of(
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
     return Deck(
         source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas,
-        tuple(scope.motions),
+        scope.units_in_formulas, tuple(scope.motions),
     )  # fmt: skip
 
 

@@ -90,6 +90,7 @@ class Scope:
     own_names: dict[int, Collection[str]] = field(default_factory=dict)
     """id of a Node with a name that its template does not define -> names that the template defines in that section"""
     unplaced: dict[str, Mark] = field(default_factory=dict)  # name of a template without a copy -> its place
+    units_in_formulas: dict[str, dict[int, str]] = field(default_factory=dict)  # of parameters; see deck.Deck
     doubts: list[Problem] = field(default_factory=list)  # warnings on units of expressions
     misplaced: set[str] = field(default_factory=set)  # names of sections that are written inside others
     subject: str = ""  # "hinge 'knee'"

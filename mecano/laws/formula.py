@@ -86,6 +86,11 @@ class Formula(NamedTuple):
         return self.references[0] if self.program == ((INPUT, 0.0),) else ""
 
     @property
+    def operands(self):
+        """The steps (operation, number) that are numbers, inputs or the time."""
+        return [(code, x) for code, x in self.program if code < NEGATIVE]
+
+    @property
     def numbers(self):
         """The program as stored in the table of laws."""
         return [float(len(self.program)), *(x for step in self.program for x in step)]

@@ -4,6 +4,7 @@ User-defined names contain no dot, so these names are always free.
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -73,7 +74,7 @@ def divided(model: Model) -> Model:
     for element in model.elements:
         elements += _pieces(element, pieces[element.name]) if element.name in pieces else [element]
     nodes = [*model.nodes, *(Node(name, x, R) for name, (x, R) in at.items() if name not in known)]
-    return Model(nodes, elements, model.laws, model.gravity)
+    return replace(model, nodes=nodes, elements=elements)
 
 
 def _pieces(member, values):

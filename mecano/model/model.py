@@ -1,7 +1,7 @@
 """A model as defined by a deck or a script: nodes and elements by name, before the numbering."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,6 +43,7 @@ class Model:
     elements: list[Element]
     laws: "LawTable"  # laws.LawTable
     gravity: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
+    units_in_formulas: dict[str, dict[int, str]] = field(default_factory=dict)  # of operands; see deck.Deck
 
 
 GROUND = "ground"
@@ -77,7 +78,7 @@ def with_ground(model: Model) -> Model:
             nodes.append(Node(title, other.x.copy(), other.R.copy(), fixed=True, internal=True))
             names[i] = title
         elements.append(Element(element.name, element.kind, tuple(names), element.values))
-    return Model(nodes, elements, model.laws, model.gravity)
+    return replace(model, nodes=nodes, elements=elements)
 
 
 def beside_ground(i: int, n: int) -> int:

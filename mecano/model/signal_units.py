@@ -122,6 +122,7 @@ class _Units:
 
     def __init__(self, model):
         self.nodes = {node.name for node in model.nodes}
+        self.in_formulas = model.units_in_formulas
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found: dict[str, str] = {}  # units by signal
         self.unlike: dict[str, list[tuple[str, str]]] = {}  # pairs of units that a formula adds or compares
@@ -176,9 +177,10 @@ class _Units:
         A number that is a factor may have any unit, and so may the product.
         """
         formula, stack, self.unlike[text], self.degrees[text] = read_formula(text), [], [], []
-        for i, (code, x) in enumerate(formula.program):
-            if code in (NUMBER, INPUT, TIME):
-                stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
+        of_operands = iter(self._of_operands(formula))
+        for i, (code, _) in enumerate(formula.program):
+            if code < NEGATIVE:
+                stack.append(next(of_operands))
             elif code < ADD:
                 stack.append(_of_one(code, stack.pop()))
             else:
@@ -202,8 +204,14 @@ class _Units:
             if unit == UNKNOWN and other not in (ANY, UNKNOWN) and alone and before[place][0] == INPUT:
                 self._use(formula.references[int(before[place][1])], other)
 
-    def _of_input(self, code, formula, x):
-        return self._of_quantity(formula.references[int(x)]) if code == INPUT else ANY
+    def _of_operands(self, formula):
+        """Yield the units of the numbers, inputs and times of a formula, in their order."""
+        known = self.in_formulas.get(formula.text, {})
+        for i, (code, x) in enumerate(formula.operands):
+            if code == INPUT:
+                yield self._of_quantity(formula.references[int(x)])
+            else:
+                yield "s" if code == TIME else known.get(i, ANY)
 
     def _of_quantity(self, name):
         section, owner, what = resolve(name, self.entries, self.nodes)
