@@ -13,7 +13,7 @@ from functools import partial
 from mmap import mmap
 
 from scorecard.damaged import ended
-from scorecard.killed import DECKS, arguments, differs, held, lost_rows, reference, started, unlike, witnessed
+from scorecard.killed import DECKS, arguments, differs, held, lost_rows, reference, started, witnessed
 from scorecard.outcome import forked, in_process, last_line, unfit
 from scorecard.trial import Job, Line
 
@@ -199,11 +199,12 @@ def vanishing_path(share, folder):
     waited(place / "r.h5")
     time.sleep(0.5 * share * reference("double_pendulum")[1])
     os.kill(run.pid, signal.SIGSTOP)  # it does not end while its folder is being removed
-    early = not ended(run.pid)
+    found = held(place / "r.h5")
+    complete = ended(run.pid) or (isinstance(found, dict) and found["status"] == "complete")
     shutil.rmtree(place)
     os.kill(run.pid, signal.SIGCONT)
     outcome = run.ended()
-    return refused(outcome) if early else unlike(outcome)
+    return unfit(outcome, (0, 5)) if complete else refused(outcome)
 
 
 def waited(path):
