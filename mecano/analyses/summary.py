@@ -19,6 +19,7 @@ from mecano.solve.diagnostics.mobility import MANY
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.contradictions import Contradictions
+from mecano.solve.time.signals import refuse_undetermined
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
@@ -32,7 +33,10 @@ INDENT = " " * 17
 
 
 def summary(deck: "Deck", every: bool = False) -> str:
-    """Return the summary of a checked deck as text. Raises AssemblyError if its constraints cannot be met at the start.
+    """Return the summary of a checked deck as text.
+
+    Raises AssemblyError if constraints cannot be met at the start, or signals have no unique values, NonFiniteError if
+    these are not finite.
 
     Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
     """
@@ -196,15 +200,16 @@ def _run_size_lines(prepared):
         yield f"initial          {describe(prepared.deck)}, computed when the run starts"
     elif start := _consistent_start(prepared):
         yield from _velocities(prepared, start)
+        if not first:
+            _refuse_start(prepared, start)
     for text in amount_warnings(prepared):
         yield from _labelled("warning", text)
 
 
 def _consistent_start(prepared):
-    """Return the State at the start with velocities that satisfy the constraints; None if masses leave them open.
+    """Return the State at the start with velocities that satisfy the constraints; None if there are none.
 
-    If the velocities of the deck satisfy them, nothing is computed or compiled. Raises AssemblyError if constraints
-    contradict one another.
+    If the velocities of the deck satisfy them, nothing is computed or compiled.
     """
     start = prepared.state.copy()
     rates = np.abs(prepared.system.constraint_derivatives(start)[:, 1])
@@ -215,10 +220,15 @@ def _consistent_start(prepared):
     except AssemblyError:
         return None
     consistent.project_velocity(start)
+    return start
+
+
+def _refuse_start(prepared, start):
+    """Raise the errors of a run that begins with the State ``start``: of constraints and signals, see ``summary``."""
     with locating(prepared.deck):
         contradictions = Contradictions(prepared.system, prepared.length, prepared.compliance)
         contradictions.refuse(start, prepared.deck.values["time"]["step"])
-    return start
+        refuse_undetermined(prepared.system, start)
 
 
 def _velocities(prepared, start):

@@ -84,7 +84,7 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
 
     Raises
     ------
-    DeckError, AssemblyError
+    DeckError, AssemblyError, NonFiniteError
 
     Examples
     --------

@@ -49,6 +49,13 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
         _find_rates(equations, s, dt)
 
 
+def refuse_undetermined(system: "System", s: "State") -> None:
+    """Solve the equations of the signals of ``s`` in place, if it has any; raise the errors of ``settle_signals``."""
+    if system.signals.any():
+        equations = system.kept(_Equations)
+        _refuse_undetermined(equations, _solve(equations, s))
+
+
 def _find_rates(equations, s, dt):
     """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
     system, along = equations.system, s.unaccelerated()
