@@ -373,6 +373,7 @@ def test_knots_of_lines_alone(other):
 def test_a_model_without_mass():
     text = HEAD.replace("weight: {type: point_mass, node: b, mass: 2}", "")
     assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is this intended?"]
+    assert warned(text) == startup_warnings(prepare(deck(text)))  # of `mecano check`
 
 
 @pytest.mark.parametrize(

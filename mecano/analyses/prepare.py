@@ -253,8 +253,6 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
         )
         texts += _dependent_on_reactions(prepared.system, group)
     texts += warnings_of(begun or prepared)
-    if prepared.deck.values["time"] and not mass_of(prepared.system):
-        texts.append("nothing in the model has a mass: is this intended?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 
@@ -276,6 +274,8 @@ def warnings_of(prepared: Prepared) -> list[str]:
             "nothing can move: the constraints leave no motion, and none is prescribed. Is an axis wrong, or a joint "
             "too many?"
         )
+    if deck.values["time"] and not mass_of(prepared.system):
+        texts.append("nothing in the model has a mass: is this intended?")
     return texts + [text for group in prepared.redundant for text in _drives_in(deck, prepared.system, group)]
 
 
