@@ -13,7 +13,7 @@ from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as static_run
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.wheels.lateral_law import FORMS, check_lateral, matrices, twists
+from mecano.elements.wheels.lateral_law import FORMS, check_forms, check_lateral, matrices, twists
 from mecano.errors import ConvergenceError
 from mecano.laws.probe import curve_at
 from mecano.results.reader import open_results
@@ -212,8 +212,9 @@ def test_errors_in_lateral_laws():
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
     assert "'tire_law.lateral' is missing" in check_lateral(None)[0]
-    assert check_lateral(none)[0].endswith("one of " + ", ".join(f"'{name}'" for name in FORMS))
-    assert check_lateral({**none, "matrices": grows, "string": singular})[0].endswith("; it has 'matrices', 'string'")
+    assert check_forms(none).endswith("one of " + ", ".join(f"'{name}'" for name in FORMS))
+    assert check_forms({**none, "matrices": grows, "string": singular}).endswith("; it has 'matrices', 'string'")
+    assert check_forms({**none, "matrices": grows}) is None
     assert "grow in the air" in check_lateral({**none, "matrices": grows})[0]
     assert "singular" in check_lateral({**none, "matrices": singular})[0]
 

@@ -300,3 +300,21 @@ def test_friction_must_not_be_negative_at_any_point_of_its_curve(points, reporte
     with pytest.raises(DeckError) as info:
         input_deck("wheel_spin_up", change)
     assert info.value.problems[0].message.endswith(f"'tire_law.friction' must not be negative{reported}")
+
+
+@pytest.mark.parametrize("kind", ["wheel", "flexible_wheel"])
+@pytest.mark.parametrize("given", ["", "string and relaxation"])
+def test_a_lateral_law_has_one_form(kind, given):
+    """Also where no wheel uses it."""
+    cornering = "cornering_stiffness: 3, relaxation_length: 1"
+    forms = given and f", string: {{{cornering}, contact_length: 0.1}}, relaxation: {{{cornering}}}"
+    head = WHEEL.format(kind=kind, height=0.2625, radial="{linear: {slope: 1.0e5}}", profile="null")
+    text = head.partition("        lateral:")[0] + (
+        f"        lateral: {{relaxation_in_air: 0.01{forms}}}\n    time: {{end: 1, step: 0.1}}\n    grounds:\n"
+        "      road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}\n"
+    )
+    with pytest.raises(DeckError) as error:
+        deck(text)
+    [problem] = error.value.problems
+    assert "tire law 'rubber': lateral: give exactly one of 'matrices', 'moreland', 'relaxation'" in problem.message
+    assert problem.message.endswith("; it has 'relaxation', 'string'" if given else "'straight_tangent'")

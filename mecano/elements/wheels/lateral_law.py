@@ -252,14 +252,18 @@ def runaway(law):
     return "moreland.yaw_time", f"{text}lateral_damping/4 = {least:.3g} s: {what}"
 
 
+def check_forms(law):
+    """Return an error for a lateral law of no form, or of several; or None."""
+    given = [name for name in FORMS if law[name]]
+    forms, both = (", ".join(f"'{name}'" for name in names) for names in (FORMS, given))
+    text = f"give exactly one of {forms}" + (f"; it has {both}" if given else "")
+    return None if len(given) == 1 else text
+
+
 def check_lateral(law):
     """Return errors in a lateral law; None if the tyre law has none."""
     if law is None:
         return ["'tire_law.lateral' is missing: the lateral law of the patch"]
-    given = [name for name in FORMS if law[name]]
-    if len(given) != 1:
-        forms, both = (", ".join(f"'{name}'" for name in names) for names in (FORMS, given))
-        return [f"'tire_law.lateral' must have exactly one of {forms}" + (f"; it has {both}" if given else "")]
     if law["string"] or law["straight_tangent"]:
         return []
     A0, A1 = matrices(law)

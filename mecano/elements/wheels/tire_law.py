@@ -17,7 +17,7 @@ import numpy as np
 from mecano.element_interface import recorded_values
 from mecano.elements.wheels.crown import CROWN, crowned_law
 from mecano.elements.wheels.enveloping import ENVELOPING, enveloping_law
-from mecano.elements.wheels.lateral_law import LATERAL_TYPE
+from mecano.elements.wheels.lateral_law import LATERAL_TYPE, check_forms
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling_law
 from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
@@ -52,7 +52,7 @@ LAW_FIELDS = (
     *ROLLING_FIELDS,
     ENVELOPING,
     CROWN,
-    Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch; for flexible wheels", None),
+    Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch; for flexible wheels", None, check=check_forms),
     SMILEY_HORNE,
 )  # fmt: skip
 
