@@ -1,7 +1,7 @@
 """Warnings of values that have no effect beside others; none where they have one, or where they are not given."""
 
 import pytest
-from time_runs import deck
+from time_runs import deck, input_deck
 
 from mecano.errors import DeckError
 
@@ -56,6 +56,20 @@ def deck_with(place, given):
 def test_values_without_effect(place, given, text):
     found = [problem.message for problem in deck_with(place, given).warnings]
     assert len(found) == bool(text) and all(text in message for message in found), found
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("slip_regularization=0.1", "tire law 'tyre': 'slip_regularization' has no effect without 'friction'"),
+        ("friction_by_speed=0.9", "tire law 'tyre': 'friction_by_speed' has no effect without 'friction'"),
+        ("friction_by_speed=1", ""),
+    ],
+)
+def test_values_of_another_slip_law(given, said):
+    """The tyres of the car are brushes (Fiala), which have a friction of their own."""
+    found = [problem.message for problem in input_deck("car", f"tire_laws.tyre.{given}").warnings]
+    assert found == [said] * bool(said)
 
 
 @pytest.mark.parametrize("end", ["a", "b"])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mecano.deck.sections import SECTIONS as SECTIONS_OF_DECKS
 from mecano.element_interface import SECTIONS, Kind
+from mecano.laws.law_table import terms_of
 
 if TYPE_CHECKING:
     from mecano.deck.lint import LocatedWarning
@@ -25,6 +26,7 @@ def without_effect(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Loc
     yield from _loads(values["loads"], values["nodes"])
     yield from _missed_triggers(values, kinds)
     yield from _options_of_other_methods(values["time"])
+    yield from _friction_of_tyres(values["tire_laws"])
     for entry in values["initial"]["velocities"]:
         if isinstance(entry["about"], list) and not any(entry["angular_velocity"]):
             yield ("initial", "velocities"), "'about' has no effect without 'angular_velocity'"
@@ -71,6 +73,16 @@ def _times(fields, values, path=""):
         if TRIGGER <= value.keys() and value["time"] is not None:
             yield f"{path}{field.name}.time", value["time"]
         yield from _times(field.type.options, value, f"{path}{field.name}.")
+
+
+def _friction_of_tyres(tire_laws):
+    """Yield (path, text) on values that go with 'friction' in tyre laws of another slip law."""
+    for name, d in tire_laws.items():
+        by_speed = terms_of(d.get("friction_by_speed", 1.0)) != terms_of(1.0)
+        given = {"friction_by_speed": by_speed, "slip_regularization": d.get("slip_regularization") is not None}
+        for field in given if d.get("friction") is None else ():
+            if given[field]:
+                yield ("tire_laws", name, field), f"tire law '{name}': '{field}' has no effect without 'friction'"
 
 
 def _options_of_other_methods(time):
