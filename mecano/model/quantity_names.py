@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import TypeAlias
 
 from mecano.constraints.sensors import NODE_SENSORS
-from mecano.element_interface import Kind
+from mecano.element_interface import SECTIONS, Kind
 from mecano.model.measured_outputs import AXES, MAGNITUDE, measured_outputs, powers, quantities
 from mecano.schema import Values
 
@@ -52,12 +52,11 @@ def resolve(name: str, entries: Entries, nodes: Collection[str]) -> tuple[str, s
         signals = [n for section, n in entries if section == "signals"]
         hint = "; the time is written 'time'" if name.lower() in ("t", "time") else _of_owner(name, entries, nodes)
         raise UnknownQuantity(f"there is no signal '{name}'{hint}", name, () if hint else signals)
-    sections = dict.fromkeys(section for section, _ in entries)
-    if words[0] in (*sections, "nodes") and len(words) > 2:
+    if len(words) > 2 and _has_section(words[0], entries):
         searched: tuple[str, ...] = (words[0],)
         owner, rest = words[1], ".".join(words[2:])
     else:
-        searched, owner, rest = (*sections, "nodes"), words[0], ".".join(words[1:])
+        searched, owner, rest = (*SECTIONS, "nodes"), words[0], ".".join(words[1:])
     owners = [
         section for section in searched if (owner in nodes if section == "nodes" else (section, owner) in entries)
     ]
@@ -75,6 +74,11 @@ def resolve(name: str, entries: Entries, nodes: Collection[str]) -> tuple[str, s
     nothing = "" if known else "; it has no measurable outputs"
     hint = next((f": {text}" for section in owners if (text := _advice(rest, *entries.get((section, owner), ())))), "")
     raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}{hint}", rest, () if hint else known)
+
+
+def _has_section(name, entries):
+    """Return whether a deck has a section of this name with entries that formulas refer to."""
+    return name == "nodes" or (name in SECTIONS and any(section == name for section, _ in entries))
 
 
 def _of_owner(name, entries, nodes):
