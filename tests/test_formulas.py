@@ -213,3 +213,24 @@ def test_a_name_is_found_without_a_search_of_all_entries():
     assert entries.passes == 0
     assert resolve("joints.hinge.angle", entries, {"pin"}) == ("joints", "hinge", "angle")
     assert resolve("loads.position.z", entries, {"loads"}) == ("nodes", "loads", "position.z")  # no section here
+
+
+@pytest.mark.parametrize(
+    ("name", "formula", "told"),
+    [("my-hinge", "my-hinge.angle", 2), ("a-b-c", "2*a-b-c.rate", 3), ("my-hinge", "my_hinge.angle", 0)],
+)
+def test_a_name_with_a_hyphen_cannot_stand_in_formulas(name, formula, told):
+    """One error for each part; nothing is said about names that are not in the formula."""
+    joints = f"{{{name}: {{type: hinge, nodes: [ground, a], axis: [0, 0, 1]}}}}"
+    with pytest.raises(DeckError) as error:
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0, 0, 0]}}}}
+        elements: {{body: {{type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}}}
+        joints: {joints}
+        signals: {{read: {formula}}}
+        time: {{end: 1, step: 0.1}}
+        """)
+    hint = f"in formulas '-' is a minus: to read '{name}', name it '{name.replace('-', '_')}'"
+    assert [problem.hint for problem in error.value.problems].count(hint) == told

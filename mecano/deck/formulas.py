@@ -146,13 +146,17 @@ def check_formulas(values: Values, scope: Scope) -> None:
                 resolve(name, entries, values["nodes"])
             except UnknownQuantity as error:
                 exact = found.text == node.value
-                scope.refuse_at(node, ExpressionError(error.message, column if exact else 0), _meant(error, scope))
+                hint = _meant(error, node.value, {*values["nodes"], *(name for _, name in entries)}, scope)
+                scope.refuse_at(node, ExpressionError(error.message, column if exact else 0), hint)
 
 
-def _meant(error, scope):
-    """Return a hint on the word of an UnknownQuantity."""
+def _meant(error, text, names, scope):
+    """Return a hint on the word of an UnknownQuantity in the ``text`` of a formula of a deck with these ``names``."""
     if scope.parameters.known(error.word):
         return f"the parameter is written '${error.word}'"
+    divided = (name for name in names if "-" in name and name in text and error.word in name.split("-"))
+    if name := min(divided, default=""):
+        return f"in formulas '-' is a minus: to read {quoted(name)}, name it {quoted(name.replace('-', '_'))}"
     return scope.suggest(error.word, error.known) if error.known else ""
 
 
