@@ -33,6 +33,7 @@ END = replace(NODE, name="end")  # one of two nodes, which may be the ground
 OF_LINE = replace(NODE, options=LINE.options)  # or the name of a member
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
+MEANT = dict.fromkeys(("true", "yes", "on"), "true") | dict.fromkeys(("false", "no", "off"), "false")
 SIX = replace(NUMBERS, expects="six numbers")
 
 
@@ -118,7 +119,10 @@ def integer(node: Node, field: Field, scope: Scope) -> int | Invalid:
 
 def boolean(node: Node, field: Field, scope: Scope) -> bool | Invalid:
     """Return True or False."""
-    return node.value if type(node.value) is bool else scope.refuse_value(node, field)
+    if type(node.value) is bool:
+        return node.value
+    meant = MEANT.get(node.value.lower(), "") if type(node.value) is str else ""
+    return scope.refuse_value(node, field, hint=meant and f"write {meant}, without quotes")
 
 
 def text(node: Node, field: Field, scope: Scope) -> str | Invalid:
