@@ -84,7 +84,7 @@ def check_samples(kind: Kind) -> None:
     found = samples(kind)
     phases = set().union(*(kind.chosen(sample.values).phases for sample in found))
     reached = {sample.phase for sample in found}
-    assert reached == phases | set(kind.phases), f"'sample' reaches the phases {reached} of {phases | {*kind.phases}}"
+    assert reached == phases | set(kind.phases), f"the samples reach the phases {reached} of {phases | {*kind.phases}}"
     for sample in found:
         assert kind.check(sample.values, sample.nodes) == [], "'check' rejects a sample"
         for name in set(sample.values) - {field.name for field in kind.fields}:

@@ -244,14 +244,24 @@ def samples(kind: Kind) -> list[Sample]:
     """Return all samples of a kind."""
     rng = seed_of(kind.name)
     found = []
-    for values, nodes, phase in kind.samples(rng):
-        if isinstance(nodes, int):
-            nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
+    given = kind.samples(rng)
+    for i, (values, nodes, phase) in enumerate([*given, *given[: kind.apart is not None]]):
         defaults = {field.name: field.default for field in kind.fields if not field.required}
         values = {**defaults, **values}
+        if isinstance(nodes, int):
+            nodes = _random_nodes(kind, values, nodes, rng, turned_apart=i == len(given))
         instances = expand(kind, values, nodes, phase, GRAVITY, rng)
         found.append(Sample(kind.name, values, nodes, phase, instances, _motion(kind, values, nodes, rng)))
     return found
+
+
+def _random_nodes(kind, values, n, rng, turned_apart):
+    """Return n nodes (x (3,), R (3, 3)), of which those of a joint share unknowns, but no rotation if turned apart."""
+    nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(n)]
+    for what, i, j in kind.shares(values, nodes):
+        (x_i, R_i), (x_j, R_j) = nodes[i], nodes[j]
+        nodes[j] = (x_i, R_j) if what == "x" else (x_j, R_j if turned_apart else R_i)
+    return nodes
 
 
 def elements(kind: Kind) -> list[tuple[Sample, Instance]]:

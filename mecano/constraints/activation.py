@@ -66,7 +66,7 @@ def with_activation(kind, word, forces, stress_free=None, free=STRESS_FREE):
     return replace(
         kind, fields=(*kind.fields, given), variant=variant,
         check=lambda d, nodes: kind.check(d, nodes) + check_trigger("activate", d["activate"]),
-        sample=lambda rng: _with_samples(kind.sample(rng), bool(stress_free)),
+        sample=lambda rng: _with_samples(kind.samples(rng), bool(stress_free)),
     )  # fmt: skip
 
 

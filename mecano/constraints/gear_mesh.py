@@ -15,14 +15,11 @@ processor time.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from mecano.constraints.augmented_lagrangian import add_constraint
 from mecano.constraints.body_fixed import add_blocks, whole_turns
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_curvature, twist_gradient
-from mecano.constraints.triads import triad
 from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
@@ -95,13 +92,6 @@ def commit(p, at, m_out):
         m_out[i] = now.turns + now.angle
 
 
-def sample(rng):
-    """Return axes in general position."""
-    mu, xi = np.array([triad(rng.normal(size=3)) for _ in range(4)]).reshape(2, 2, 3, 3).swapaxes(0, 1)
-    axes = {"mu": mu, "xi": xi}
-    return [({**axes, "travel": (0.6, -0.9), "tangent": triad(rng.normal(size=3))[0], "offset": rng.normal()}, 3, "")]
-
-
 GEAR_MESH = Kind(
     name="gear_mesh",
     doc=__doc__,
@@ -109,5 +99,5 @@ GEAR_MESH = Kind(
     layout=("x2", "R0", "x1", "R1", "R2"),  # order as in slide.py: x1 relative to x2, along an axis of node 0
     multipliers=(Row("force of the teeth", "N", "m"),),
     memory=("angle_1", "angle_2"),
-    **named(force, constraints, commit, sample),
+    **named(force, constraints, commit),
 )

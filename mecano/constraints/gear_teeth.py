@@ -52,10 +52,10 @@ class Mesh(NamedTuple):
 def with_teeth(kind, mesh, put_motion, radius):
     """Return the ``kind`` of a joint whose two nodes or gears have a ``mesh``, with teeth of all sorts.
 
-    ``kind`` has the layout of the constraint of the mesh, ``prepare`` its values, and four outputs, which
+    ``prepare`` of the ``kind`` returns the values of the constraint of the mesh; it has four outputs, which
     ``put_motion(p, at, y)`` writes, before the force of the teeth. ``radius`` names the field of the pitch radius.
     """
-    dtype = with_fields(mesh.held.dtype, **VALUES)
+    kind, dtype = replace(kind, layout=mesh.held.layout), with_fields(mesh.held.dtype, **VALUES)
     flanks, friction = backlash_kind(mesh), tooth_friction_kind(mesh, dtype)
     flank_friction = replace(friction, name=f"{mesh.held.name}_flank_friction", phases=STOP_PHASES)
     nodes = tuple(range(1 + max(int(slot[1:]) for slot in mesh.held.layout)))
@@ -73,9 +73,9 @@ def with_teeth(kind, mesh, put_motion, radius):
         return [first, Part(dry, nodes, prepare(d, at_start, context), coupled_to=(0,))]
 
     held = replace(
-        kind, dtype=dtype, layout=mesh.held.layout, fields=(*kind.fields, *FIELDS), outputs=(*kind.outputs, *OUTPUTS),
+        kind, dtype=dtype, fields=(*kind.fields, *FIELDS), outputs=(*kind.outputs, *OUTPUTS),
         prepare=prepare, parts=parts, check=lambda d, at_start: kind.check(d, at_start) + check_teeth(d),
-        sample=lambda rng: [*kind.sample(rng), *_samples(kind.sample(rng)[0])],
+        sample=lambda rng: [*kind.samples(rng), *_samples(kind.samples(rng)[0])],
         observe=_observe_held(mesh, put_motion),
     )  # fmt: skip
     rough = replace(held, name=f"rough_{kind.name}", observe=_observe_rigid(mesh, put_motion, _force_of_held))

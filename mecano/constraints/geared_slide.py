@@ -14,7 +14,6 @@ from mecano.constraints.augmented_lagrangian import scalar_constraint
 from mecano.constraints.body_fixed import relative_rotation, wrap
 from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_gradient
-from mecano.constraints.triads import triad
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
@@ -44,16 +43,9 @@ def slide_travel(p, at):
     return (Phi, gradient), (along - 0.5 * Phi, mean)
 
 
-def sample(rng):
-    """Return a screw of either hand, and a rack."""
-    mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
-    d = {"mu": mu, "xi": xi, "offset": rng.normal()}
-    return [({**d, "sigma": mu[2], "travel": -0.7}, 2, ""), ({**d, "sigma": mu[0], "travel": 0.9}, 2, "")]
-
-
 GEARED_SLIDE = Kind(
     name="geared_slide", doc=__doc__, dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
     multipliers=(Row("force of the thread or teeth", "N", "m"),),
-    sample=sample,
+    cases=({}, {"travel": -0.7}),
     **scalar_constraint(_coupling, MULTIPLIER),
 )  # fmt: skip

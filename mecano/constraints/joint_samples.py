@@ -4,6 +4,8 @@ import numpy as np
 
 SPRUNG = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
 FALLING = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+TURNING_SPRUNG = {"turning_law": SPRUNG, "natural_angle": 0.2}
+AXIS_1 = (0.3, -1.0, 0.5)
 RUBBING = {"coefficient": FALLING, "regularization": 0.2, "length": 0.7}
 STICKING = {"coefficient": FALLING, "regularization": 50.0, "length": None}
 SLIDE_STOPPED = {
@@ -16,17 +18,6 @@ ORIENTATIONS = np.eye(3), np.diag([-1.0, 1.0, -1.0])
 def two_places(rng):
     """Return two nodes (x (3,), R (3, 3)) at different positions, rotated relative to each other."""
     return [(rng.normal(size=3), R) for R in ORIENTATIONS]
-
-
-def two_parallel(rng):
-    """Return two nodes at different positions, with the same rotation."""
-    return [(rng.normal(size=3), ORIENTATIONS[1]) for _ in range(2)]
-
-
-def one_place(rng):
-    """Return two nodes at the same position, rotated relative to each other."""
-    x = rng.normal(size=3)
-    return [(x, R) for R in ORIENTATIONS]
 
 
 def at_distance(rng, length):

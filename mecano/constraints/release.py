@@ -30,12 +30,6 @@ ATTACHED_PHASE, RELEASED_PHASE = "attached", "released"
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
-def with_samples(found, phases):
-    """Return samples, and the first of them with a release in these ``phases``."""
-    values, nodes, _ = found[0]
-    return [*found, *(({**values, **SAMPLE}, nodes, phase) for phase in phases)]
-
-
 def releasable(kind):
     """Return the ``kind`` of a joint, all of whose axes are held by its parts, with a release; see FIRST_ROW."""
 
@@ -71,8 +65,9 @@ def with_release(kind, word, forces):
     released = cache(lambda base: detached(base, word, forces))
 
     def sample(rng):
-        found = kind.sample(rng)
-        return with_samples(found, (found[0][2] or ATTACHED_PHASE, RELEASED_PHASE))
+        found = kind.samples(rng)
+        values, nodes, phase = found[0]
+        return found + [({**values, **SAMPLE}, nodes, at) for at in (phase or ATTACHED_PHASE, RELEASED_PHASE)]
 
     return replace(
         kind, fields=(*kind.fields, elastic_release(word)), sample=sample,

@@ -55,6 +55,5 @@ def constraints(p, at, g):
 RIGID_OFFSET = Kind(
     name="rigid_offset", doc=__doc__, dtype=RECORD, layout=("x0", "R0", "x1"),
     multipliers=tuple(Row(f"force {axis} of the rigid offset", "N", "m") for axis in "xyz"),
-    sample=lambda rng: [({"d": rng.normal(size=3)}, 2, "")],
     **named(force, constraints),
 )  # fmt: skip

@@ -18,19 +18,15 @@ from mecano.maths.dual import number
 from mecano.maths.vector import dot, mat, vec
 
 
-def _sensor(name, doc, layout, dtype, measured, sample, **memory):
-    """Return the Kind of a signal that equals ``measured(p, at)``; ``sample(rng)`` returns values of its record."""
+def _sensor(name, doc, layout, dtype, measured, **memory):
+    """Return the Kind of a signal that equals ``measured(p, at)``."""
     row = 3 * len(layout)
 
     @kernel
     def residual(p, at, f):
         f[row] += number(at.q[row]) - measured(p, at)
 
-    nodes = len({slot[1] for slot in layout})
-    return Kind(
-        name=name, doc=doc, dtype=dtype, layout=layout, residual=residual, **SIGNAL, **memory,
-        sample=lambda rng: [(sample(rng), nodes, "")],
-    )  # fmt: skip
+    return Kind(name=name, doc=doc, dtype=dtype, layout=layout, residual=residual, **SIGNAL, **memory)
 
 
 def _sensors(name, what, coordinate):
@@ -49,14 +45,11 @@ def _sensors(name, what, coordinate):
     def commit(p, at, m_out):
         m_out[0] = value(p, at)
 
-    def sample(rng):
-        return {**coordinate.sample(rng), "zero": 0.3}
-
     layout, dtype = coordinate.layout, record(**coordinate.axes, zero=())
     memory = {"memory": ("angle",), "commit": commit} if coordinate.periodic else {}
     return (
-        _sensor(f"{name}_sensor", f"Sensor of {what}.", layout, dtype, from_zero, sample, **memory),
-        _sensor(f"{name}_rate_sensor", f"Sensor of the rate of {what}.", layout, dtype, rate, sample),
+        _sensor(f"{name}_sensor", f"Sensor of {what}.", layout, dtype, from_zero, **memory),
+        _sensor(f"{name}_rate_sensor", f"Sensor of the rate of {what}.", layout, dtype, rate),
     )
 
 
@@ -73,6 +66,6 @@ SENSORS = {
 POSITION, VELOCITY = _sensors("place", "the position of a node along a direction", DISPLACEMENT)
 ANGULAR_VELOCITY = _sensor(
     "turning_sensor", "Sensor of the angular velocity of a node about an inertial direction.", ("R0",),
-    record(direction=3), _turning, lambda rng: {"direction": rng.normal(size=3)},
+    record(direction=3), _turning,
 )  # fmt: skip
 NODE_SENSORS = {"position": POSITION, "velocity": VELOCITY, "angular_velocity": ANGULAR_VELOCITY}

@@ -33,7 +33,7 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import is_damped, pulling, put_line_events
 from mecano.constraints.stop_phases import FAR
-from mecano.element_interface import CONTACT, Event, Kind, Part, Row, named, record
+from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.law_table import curve, evaluate_curve
 from mecano.maths.dual import chain, number, select, value
@@ -193,12 +193,6 @@ def wound_parts(values):
     return [Part(ELASTIC, (0, 1), values), Part(CATCH, (0, 1), values)]
 
 
-def sample(rng):
-    """Return the constraint in all phases."""
-    values = {"EA": 80.0, "start": 1.5, "catch": HOLD, "wound": 1.0}
-    return [(values, 2, phase) for phase in PHASES]
-
-
 CATCH = Kind(
     name="line_catch", doc=__doc__, dtype=RECORD, layout=("x0", "x1"),
     multipliers=(Row("tension of the cable at its full length", "N", "m", unilateral=True),),
@@ -206,7 +200,8 @@ CATCH = Kind(
     memory=MEMORY,
     residual=catch_residual,
     constraints=catch_constraints,
-    **named(commit, sample),
+    commit=commit,
+    cases=({"catch": HOLD},),
 )  # fmt: skip
 ELASTIC = Kind(
     name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,

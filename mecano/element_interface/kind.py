@@ -1,5 +1,6 @@
 """A kind of element, joint, load, signal or basic constraint: its entry in a deck, its mechanics, its events."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from mecano.element_interface.declarations import Display, Event, Measured, Output, Row
-from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
+from mecano.element_interface.records import UNUSED, random_record, record, recorded, recorded_values
 from mecano.immutable import immutable
 from mecano.schema import Field, Values
 
@@ -24,6 +25,7 @@ RANDOM: "dict[str, Callable[[np.random.Generator], Any]]" = {
     "direction": lambda rng: rng.normal(size=3),
     "formula": lambda rng: "a",
 }  # values of samples, by type of field; in quotes above because np.random is imported by its first use
+NOT_RANDOM = (None, -math.inf, math.inf)  # defaults that samples keep
 
 
 def nothing(*_: Any) -> list[Any]:
@@ -139,10 +141,13 @@ class DeckEntry:
     """(deck values, [NodeAtStart]) -> [text]: warnings about the state at the start"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
+    cases: tuple[Values, ...] = ({},)
+    """deck values (for a basic constraint: of the record) of the samples for the generic tests, each in every phase, on
+    random nodes; those that a case does not give are numbers from 0.5 to 1, random vectors or the defaults"""
     sample: Callable | None = None
-    """rng -> list of (values, nodes, phase): valid samples for the generic tests, covering every phase. values: deck
-    values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]. By
-    default numbers from 0.5 to 1 and random vectors in every phase, for a kind that has no other fields"""
+    """rng -> list of (values, nodes, phase): the samples of a kind whose values and nodes depend on one another, or
+    that not every phase admits. values: deck values without defaults (for a basic constraint: the record); nodes: their
+    number, or [(x (3,), R (3, 3))]"""
 
 
 @immutable(kw_only=True)
@@ -293,17 +298,25 @@ class Kind(DeckEntry, Mechanics, Events):
         return recorded_values(names, self.fields, {"gravity": context.gravity, **values}, context)
 
     def samples(self, rng: "np.random.Generator") -> list[tuple[Values, Any, str]]:
-        """Return the samples of the kind; see ``sample``."""
+        """Return the samples of the kind; see ``cases`` and ``sample``."""
         if self.sample:
             return self.sample(rng)
+        nodes, found = 1 + max((int(slot[1:]) for slot in self.layout), default=0), []
+        for case in self.cases:
+            values = {**(self._random_values(case, rng) if self.section else random_record(self.dtype, rng)), **case}
+            kind = self.chosen({**{one.name: one.default for one in self.fields}, **values})
+            found += [(values, nodes, phase) for phase in kind.phases]
+        return found
+
+    def _random_values(self, case, rng):
+        """Return random values of the fields that a case does not give; raise ValueError for one that needs a case."""
         values = {}
         for given in self.fields:
-            if given.type.name in RANDOM and given.default is not None:
+            if given.type.name in RANDOM and given.default not in NOT_RANDOM:
                 values[given.name] = RANDOM[given.type.name](rng)
-            elif given.required and given.type.name not in NODES:
-                raise ValueError(f"{self.name} needs 'sample': the field {given.name!r} has no random values")
-        nodes = 1 + max((int(slot[1:]) for slot in self.layout), default=0)
-        return [(values, nodes, phase) for phase in self.phases]
+            elif given.required and given.type.name not in NODES and given.name not in case:
+                raise ValueError(f"{self.name} needs 'cases': the field {given.name!r} has no random values")
+        return values
 
     def read(self, values: Values) -> tuple[str, ...]:
         """Return the formulas (texts) of its inputs."""

@@ -49,3 +49,16 @@ def recorded_values(
     """
     laws = [f.name for f in fields if f.type.name in LAWS]
     return {name: context.laws.add(values[name]) if name in laws else values[name] for name in names}
+
+
+def random_record(dtype: np.dtype, rng: "np.random.Generator") -> "Values":
+    """Return random values of a record for tests: integers 0, numbers from 0.5 to 1, vectors, unit axes (3, 3)."""
+    values: Values = {}
+    for name in dtype.names or ():
+        base, shape = dtype[name].base, dtype[name].shape
+        if shape[-2:] == (3, 3):
+            Q = np.linalg.qr(rng.normal(size=shape))[0]
+            values[name] = Q * np.linalg.det(Q)[..., None, None]  # right-handed
+        else:
+            values[name] = 0 if base.kind == "i" else rng.normal(size=shape) if shape else rng.uniform(0.5, 1.0)
+    return values

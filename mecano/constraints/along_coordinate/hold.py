@@ -129,10 +129,7 @@ def hold_kind(name, doc, coordinate, row):
 def release_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
     kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _until_released))
-    return replace(
-        kind, phases=RELEASE_PHASES,
-        sample=lambda rng: [(d, nodes, phase) for d, nodes, _ in kind.sample(rng) for phase in RELEASE_PHASES],
-    )  # fmt: skip
+    return replace(kind, phases=RELEASE_PHASES)
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
@@ -148,9 +145,7 @@ def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
 
 
 def _kind(name, doc, coordinate, row, fields, functions):
-    nodes = len({slot[1] for slot in coordinate.layout})
     return Kind(
         name=name, doc=doc, dtype=record(**coordinate.axes, **fields), layout=coordinate.layout,
         multipliers=(Row(row, coordinate.load[1], coordinate.unit),), **functions,
-        sample=lambda rng: [({**coordinate.sample(rng), "offset": rng.uniform(0.5, 2.0)}, nodes, "")],
     )  # fmt: skip

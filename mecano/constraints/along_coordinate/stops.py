@@ -88,8 +88,8 @@ def latch_kind(name, doc, coordinate):
     state = Output("latched", "-", "1 while it is locked, otherwise 0")
     return Kind(
         name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), **_reaction(coordinate, "latch", state),
-        phases=LATCH_PHASES, events=LATCH_EVENTS, sample=_samples(coordinate, LATCH_PHASES),
-        **holding(coordinate, _locked), **named(observe, event_values, commit),
+        phases=LATCH_PHASES, events=LATCH_EVENTS, **holding(coordinate, _locked),
+        **named(observe, event_values, commit),
     )  # fmt: skip
 
 
@@ -115,7 +115,7 @@ def releasable_latch_kind(name, doc, coordinate):
 
     return replace(
         kind, inputs=(UNLOCKS.command,), phases=phases, events=(*LATCH_EVENTS, UNLOCKS, OPENS, CLOSES),
-        memory=(*kind.memory, "ahead"), sample=_samples(coordinate, phases), **named(event_values, commit),
+        memory=(*kind.memory, "ahead"), **named(event_values, commit),
     )  # fmt: skip
 
 
@@ -140,8 +140,8 @@ def stop_kind(name, doc, coordinate):
     return Kind(
         name=name, doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD),
         **_reaction(coordinate, "stop", state, unilateral=True), phases=STOP_PHASES,
-        events=stop_events("stop", "reaction of the stop"), sample=_samples(coordinate, STOP_PHASES),
-        **holding(coordinate, _stopped), **named(observe, event_values, commit),
+        events=stop_events("stop", "reaction of the stop"), **holding(coordinate, _stopped),
+        **named(observe, event_values, commit),
     )  # fmt: skip
 
 
@@ -157,14 +157,6 @@ def _reaction(coordinate, end, state, unilateral=False):
 
 def _quantity(coordinate):
     return "displacement" if coordinate.sliding else "angle"
-
-
-def _samples(coordinate, phases):
-    """Return one sample in each phase."""
-    values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
-    names = STOP_RECORD if phases is STOP_PHASES else LATCH_RECORD
-    ends = {name: values[name] for name in names}
-    return lambda rng: [({**coordinate.sample(rng), **ends}, 2, phase) for phase in phases]
 
 
 LOCKED_LATER = requirement(

@@ -7,7 +7,6 @@ coordinates, in along_coordinate/.
 
 from collections.abc import Callable
 
-from mecano.constraints.triads import triad
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
@@ -28,11 +27,6 @@ class Coordinate:
     """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
     periodic: bool = False  # an angle, in (-pi, pi]
     inputs: int = 0  # number of inputs of the elements that hold it
-
-    def sample(self, rng):
-        """Return random values of its axes: vectors (3,), or unit triads (3, 3)."""
-        vectors = {name: rng.normal(size=3) for name in self.axes}
-        return {name: a if self.axes[name] == 3 else triad(a) for name, a in vectors.items()}
 
     @property
     def sliding(self):

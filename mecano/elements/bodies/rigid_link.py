@@ -9,7 +9,7 @@ held by three constraints.
 """
 
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
-from mecano.constraints.joint_samples import two_parallel, two_places
+from mecano.constraints.joint_samples import at_distance, two_places
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -42,6 +42,6 @@ RIGID_LINK = Kind(
     hidden={"moment": "use a 'generic' joint, which holds the second node in its initial place"},
     prepare=lambda d, nodes, context: {"turned": float(is_marker(nodes, 1))},
     parts=lambda d, nodes, context: attachment(nodes, 1, context),
-    sample=lambda rng: [({}, two_parallel(rng), ""), ({}, two_places(rng), "")],
+    sample=lambda rng: [({}, nodes, "") for nodes in (two_places(rng), at_distance(rng, 1.2))],
     observe=observe,
 )  # fmt: skip

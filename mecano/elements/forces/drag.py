@@ -60,12 +60,6 @@ def check(d, nodes):
     return []
 
 
-def sample(rng):
-    """Return a body in a stream, and in a fluid at rest."""
-    body = {"area": 2.0, "coefficient": 1.3}
-    return [({**body, "direction": rng.normal(size=3)}, 1, ""), ({**body, "density": 1e3, "speed": None}, 1, "")]
-
-
 DRAG = on_demand(
     Kind(
         name="drag", section="loads", doc=__doc__, display=Display(force="force"), dtype=RECORD, layout=("x0",),
@@ -81,7 +75,8 @@ DRAG = on_demand(
             Output("force", "N", "drag on the node, inertial", (3,)),
             Output("dissipated_power", "W", "power dissipated in the fluid"),
         ),
-        **named(prepare, check, sample),
+        cases=({"direction": (0.3, -1.0, 0.5)}, {"density": 1e3, "speed": None}),
+        **named(prepare, check),
     ),
     _functions, "speed",
 )  # fmt: skip

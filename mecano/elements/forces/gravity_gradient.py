@@ -23,6 +23,7 @@ from mecano.maths.inertia import inertia_matrix
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INERTIA, NODE, NODE_VECTOR, NUMBER, POINT, Field, positive
 
+CENTER = (0.4, 1.0, -0.6)  # of samples
 LEAST_SINE = 1e-6  # of the angle between both directions
 RECORD = record(n=(), mass=(), center=3, radial=3, transverse=3, c=3, J=(3, 3))
 
@@ -104,14 +105,6 @@ def check(d, nodes):
     return texts
 
 
-def sample(rng):
-    """Return a body with an offset centre of mass, and a point mass."""
-    A = rng.normal(size=(3, 3))
-    orbit = {"rate": 1.3, "normal": rng.normal(size=3), "radial": rng.normal(size=3), "center": rng.normal(size=3)}
-    body = {"inertia": A @ A.T, "center_of_mass": rng.normal(size=3)}
-    return [({**orbit, "mass": 2.0, **body}, 1, ""), ({**orbit, "mass": 0.7}, 1, "")]
-
-
 GRAVITY_GRADIENT = Kind(
     name="gravity_gradient", section="loads", doc=__doc__, display=Display(force="force"), dtype=RECORD, layout=("x0",),
     fields=(
@@ -135,6 +128,10 @@ GRAVITY_GRADIENT = Kind(
     residual=point_residual,
     observe=observe_point,
     variant=lambda d: GRAVITY_GRADIENT if d["inertia"] is None else ON_BODY,
-    **named(prepare, check, sample),
+    cases=(
+        {"center_of_mass": (0.0,) * 3, "center": CENTER},
+        {"inertia": (2.0, 1.3, 0.9, 0.3, -0.2, 0.1), "center": CENTER},
+    ),
+    **named(prepare, check),
 )  # fmt: skip
 ON_BODY = replace(GRAVITY_GRADIENT, layout=("x0", "R0"), residual=body_residual, observe=observe_body, variant=None)

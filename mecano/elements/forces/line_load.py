@@ -61,10 +61,7 @@ def _share(name, layout, components):
 
         return named(residual, observe)
 
-    kind = Kind(
-        name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout,
-        sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
-    )  # fmt: skip
+    kind = Kind(name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout)
     return by_law_and_signal(kind, functions, "value")
 
 

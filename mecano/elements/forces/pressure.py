@@ -61,15 +61,9 @@ def _of_line(demand):
     return named(observe)
 
 
-def _sample_segment(rng):
-    """Return a segment in a random place."""
-    values = {"across_0": rng.normal(size=3), "across_1": rng.normal(size=3), "half_width": 0.4, "law": 0}
-    return [(values, 2, "")]
-
-
 SEGMENTS = by_law_and_signal(
     Kind(name="pressed_segment", doc="Pressure on one side of a segment between two nodes.", dtype=RECORD,
-         layout=("x0", "R0", "x1", "R1"), sample=_sample_segment),
+         layout=("x0", "R0", "x1", "R1")),
     _of_segment, "value",
 )  # fmt: skip
 

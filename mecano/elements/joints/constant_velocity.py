@@ -15,13 +15,11 @@ With ``compliance`` a law replaces a rigid constraint: torsional elasticity or p
 the position. A universal joint turns its second shaft unevenly.
 """
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.twist import turned, twist_gradient
 from mecano.constraints.joint_nodes import check_one_place, one_position
-from mecano.constraints.joint_samples import SPRUNG, rotation
+from mecano.constraints.joint_samples import SPRUNG
 from mecano.constraints.pair import AXIS_B, bent_place, held, pair_force
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
@@ -62,16 +60,7 @@ def _put_reactions_of_shared(p, at, F, y, i):
     _put_moment(p, at, number(at.q[12]), y, i + 3)
 
 
-def sample(rng):
-    """Return a bent joint: rigid, elastic, and released."""
-    x = rng.normal(size=3)
-    nodes, d = [(x, rotation(rng)) for _ in range(2)], {"axis": (1, 0, 0), "axis_b": (1, 0.3, 0.2)}
-    return [
-        (d, nodes, ""),
-        ({**d, "axis_1": np.array([0.0, 1.0, 2.0]), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-    ]
-
-
+BENT = {"axis": (1, 0, 0), "axis_b": (1, 0.3, 0.2)}  # of samples
 CONSTANT_VELOCITY = sharing_pair(
     "constant_velocity", __doc__,
     LowerPair(
@@ -84,5 +73,5 @@ CONSTANT_VELOCITY = sharing_pair(
         place=bent_place,
     ),
     Shared(one_position, ("about_axis",), _put_reactions_of_shared, ("force",), check_one_place),
-    sample,
+    cases=(BENT, {**BENT, "axis_1": (0.0, 1.0, 2.0), "compliance": dict.fromkeys(HELD, SPRUNG)}),
 )  # fmt: skip

@@ -18,25 +18,12 @@ from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.measure import SLIDING, TURNING
 from mecano.constraints.guide_friction import ROUND_FRICTION
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, TURNING_LAW, friction_option
-from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_places
+from mecano.constraints.joint_samples import AXIS_1, RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, TURNING_SPRUNG
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, lower_pair
 from mecano.schema import DIRECTION, Field
 
 RADIUS = radius("radius", "radius at which turning slides", 0.0)
-
-
-def sample(rng):
-    """Return a random axis next to the first node, with every option."""
-    nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
-    laws = {"turning_law": SPRUNG, "natural_angle": 0.2, "sliding_law": SPRUNG}
-    return [
-        (d, nodes, ""),
-        ({**d, **SLIDE_STOPPED}, nodes, ""),
-        ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
-        ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
-        ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
-    ]
 
 
 CYLINDRICAL = lower_pair(
@@ -48,5 +35,11 @@ CYLINDRICAL = lower_pair(
         motions=(TURNING, SLIDING),
         options=(TURNING_LAW, SLIDING_LAW, SLIDE_ENDS, friction_option(ROUND_FRICTION, "about_axis", RADIUS, LENGTH)),
     ),
-    sample,
+    cases=(
+        {},
+        SLIDE_STOPPED,
+        {**TURNING_SPRUNG, "sliding_law": SPRUNG, "friction": {**RUBBING, "radius": 0.3}},
+        {"friction": {**STICKING, "radius": 0.0}},
+        {"axis_1": AXIS_1, "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}},
+    ),
 )  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.measure import Outputs
 from mecano.constraints.joint_nodes import check_one_place, one_position, one_rotation, turned_apart
-from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
+from mecano.constraints.joint_samples import AXIS_1, SPRUNG
 from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
@@ -35,19 +35,7 @@ def _put_held(p, at, F, y, i):
     put(y, i + 3, axes @ pair_moment(p, at))
 
 
-def sample(rng):
-    """Return two equal nodes, joined rigidly, and by laws along all axes or some; nodes with other orientations."""
-    node = (rng.normal(size=3), ORIENTATIONS[1])
-    play = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
-    d = {"axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
-    return [
-        ({}, [node, node], ""),
-        ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
-        ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
-        ({}, [node, (node[0], ORIENTATIONS[0])], ""),
-    ]
-
-
+PLAY = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
 FIXED = sharing_pair(
     "fixed", __doc__,
     LowerPair(
@@ -71,5 +59,9 @@ FIXED = sharing_pair(
         check_one_place,
         turned_apart,
     ),
-    sample,
+    cases=(
+        {},
+        {"axis_1": AXIS_1, "compliance": dict.fromkeys(AXES, SPRUNG)},
+        {"axis_1": AXIS_1, "compliance": {"along_2": PLAY, "about_1": SPRUNG}},
+    ),
 )  # fmt: skip

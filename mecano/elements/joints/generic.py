@@ -20,7 +20,7 @@ from mecano.constraints.along_coordinate.measure import REACTIONS, put_translati
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_nodes import NODES, check_axis_1
-from mecano.constraints.joint_samples import SPRUNG, two_places
+from mecano.constraints.joint_samples import SPRUNG
 from mecano.constraints.of_coordinates import BOTH, DRIVEN_SLIDE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.pair import (
     AXES,
@@ -142,23 +142,9 @@ def admissible(p, q, R):
     return not_flipped(p, q, R) if p["row"][0] >= 0.0 and p["row"][1] >= 0.0 else ""
 
 
-def sample(rng):
-    """Return a rigid joint; a driven screw-like guide; free and elastic axes."""
-    nodes, d = two_places(rng), {"axis": rng.normal(size=3), "free": ()}
-    first = {"axis_1": rng.normal(size=3)}
-    sine = (("sine", {"amplitude": 0.3, "frequency": 0.2, "phase": 0.4, "offset": 0.1}),)
-    return [
-        (d, nodes, ""),
-        ({**d, **first, "free": ("about_1",), "driven": {"about_axis": sine, "along_2": sine}}, nodes, ""),
-        ({**d, **first, "driven": {"along_1": "sin(time)", "about_axis": "time**2/2", "along_2": sine}}, nodes, ""),
-        (
-            {**d, **first, "free": ("along_1", "about_axis"),
-             "compliance": {"about_2": SPRUNG, "about_1": SPRUNG, "along_axis": SPRUNG}},
-            nodes, "",
-        ),
-    ]  # fmt: skip
-
-
+FIRST = {"axis_1": (0.3, -1.0, 0.5)}  # of samples, as the others
+WAVE = (("sine", {"amplitude": 0.3, "frequency": 0.2, "phase": 0.4, "offset": 0.1}),)
+LEAN = {"about_2": SPRUNG, "about_1": SPRUNG, "along_axis": SPRUNG}
 GENERIC = Kind(
     name="generic", section="joints", doc=__doc__, display=Display(force="force", along_axes=True), dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
@@ -181,6 +167,12 @@ GENERIC = Kind(
     observe=_observed(_rate_of_law),
     variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
     holds=lambda d: () if d["driven"] else rigid_axes(_bound(d), d["compliance"]),
-    **named(prepare, parts, check, admissible, sample),
+    cases=(
+        {},
+        {**FIRST, "free": ("about_1",), "driven": {"about_axis": WAVE, "along_2": WAVE}},
+        {**FIRST, "driven": {"along_1": "sin(time)", "about_axis": "time**2/2", "along_2": WAVE}},
+        {**FIRST, "free": ("along_1", "about_axis"), "compliance": LEAN},
+    ),
+    **named(prepare, parts, check, admissible),
 )  # fmt: skip
 BY_FORMULA = replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))

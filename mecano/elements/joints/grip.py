@@ -17,7 +17,6 @@ from dataclasses import replace
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import add_reaction, times_penalty
 from mecano.constraints.coordinates.coordinate import rate_of
-from mecano.constraints.joint_samples import two_parallel
 from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import difference_of
@@ -167,15 +166,7 @@ def check(d, nodes):
     return texts + [text for name in ("close", "release") for text in check_trigger(name, d[name])]
 
 
-def sample(rng):
-    """Return grips of position and rotation, and of the position, open and closed."""
-    nodes = two_parallel(rng)
-    d = {"close": {"time": 0.3, "when": None}, "release": {"time": 0.5, "when": None}, "while": None}
-    while_true = {"close": None, "release": None, "while": "time > 0.3"}
-    found = [({**d, "rotation": held}, nodes, phase) for held in (True, False) for phase in PHASES]
-    return [*found, (while_true, nodes, "closed"), ({**d, "release": None}, nodes, "closed")]
-
-
+CLOSING, OPENING = ({"time": time, "when": None} for time in (0.3, 0.5))  # of samples
 GRIP = Kind(
     name="grip", section="joints", doc=__doc__, display=Display(support=False, force="force"),
     dtype=record(duration=(), lever=()), layout=LAYOUT,
@@ -204,7 +195,13 @@ GRIP = Kind(
     ),
     memory=tuple(f"held_{i}" for i in range(1, 7)),
     variant=lambda d: GRIP if d["rotation"] else POSITION_GRIP,
-    **named(reads, prepare, check, sample),
+    cases=(
+        {"close": CLOSING, "release": OPENING},
+        {"close": CLOSING, "release": OPENING, "rotation": False},
+        {"close": CLOSING},
+        {"while": "time > 0.3"},
+    ),
+    **named(reads, prepare, check),
     **_functions(LAYOUT, True),
 )  # fmt: skip
 POSITION_GRIP = replace(

@@ -4,7 +4,6 @@ With ground as the first node, the second one can only translate; the moment of 
 """
 
 from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
-from mecano.constraints.joint_samples import two_parallel
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
@@ -24,6 +23,5 @@ HELD_ROTATION = Kind(
     shares=one_rotation,
     check=check_one_rotation,
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
-    sample=lambda rng: [({}, two_parallel(rng), "")],
     observe=observe,
 )  # fmt: skip

@@ -23,7 +23,7 @@ from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION
 from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
-from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, rotation
+from mecano.constraints.joint_samples import AXIS_1, RUBBING, SPRUNG, STICKING, TURNING_SPRUNG
 from mecano.constraints.pair import AXIS_B, bent_place
 from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
@@ -45,22 +45,8 @@ def _put_reactions(p, at, F, y, i):
     put(y, i + 3, (-number(at.q[13]), number(at.q[12]), 0.0))
 
 
-def sample(rng):
-    """Return random axes, with every option."""
-    x = rng.normal(size=3)
-    nodes = [(x, rotation(rng)) for _ in range(2)]
-    radii, stops = {"radius": 0.3, "collar_radius": 0.4}, {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
-    d, law, skew = {"axis": rng.normal(size=3)}, {"turning_law": SPRUNG}, {"axis": (1, 0, 0), "axis_b": (1, 0.1, 0)}
-    return [
-        (d, nodes, ""),
-        *(({**skew, "latch": {"angle": 1.5, "release": release}}, nodes, "") for release in (None, SAMPLE["release"])),
-        ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
-        ({**d, **law, "natural_angle": "command"}, nodes, ""),
-        ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
-        ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-    ]
-
-
+RADII, SKEW = {"radius": 0.3, "collar_radius": 0.4}, {"axis": (1, 0, 0), "axis_b": (1, 0.1, 0)}  # of samples
+STOPS = {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
 HINGE = sharing_pair(
     "hinge", __doc__,
     LowerPair(
@@ -73,5 +59,12 @@ HINGE = sharing_pair(
         place=bent_place,
     ),
     Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), check_one_place),
-    sample,
+    cases=(
+        {},
+        *({**SKEW, "latch": {"angle": 1.5, "release": release}} for release in (None, SAMPLE["release"])),
+        {**TURNING_SPRUNG, "friction": {**RUBBING, **RADII}},
+        {**TURNING_SPRUNG, "natural_angle": "command"},
+        {"friction": {**STICKING, **RADII}, "stops": STOPS},
+        {"axis_1": AXIS_1, "turning_law": SPRUNG, "compliance": dict.fromkeys(HELD, SPRUNG)},
+    ),
 )  # fmt: skip

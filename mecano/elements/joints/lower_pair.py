@@ -12,7 +12,6 @@ from itertools import chain
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.law import bounds
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
 from mecano.constraints.joint_nodes import NODES, check_axis_1
@@ -28,7 +27,7 @@ from mecano.constraints.pair import (
     put_reactions,
     rigid_axes,
 )  # fmt: skip
-from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable, with_samples
+from mecano.constraints.release import FIRST_ROW, RELEASE, SAMPLE, check_release, releasable
 from mecano.constraints.triads import not_flipped
 from mecano.element_interface import FREELY, Display, Kind, nothing
 from mecano.immutable import immutable
@@ -112,7 +111,7 @@ def _one_after_another(first, size, second):
     return put
 
 
-def rigid_pair(name, doc, pair, sample=None):
+def rigid_pair(name, doc, pair, cases=({},)):
     """Return the Kind of a lower pair whose axes are held by one constraint each."""
 
     def check(d, nodes):
@@ -130,11 +129,11 @@ def rigid_pair(name, doc, pair, sample=None):
         measures={output: measured(of) for o in outputs for output, of in o.measures.items()},
         prepare=pair.place, parts=pair.parts, check=check, observe=pair.observe(pair.reactions.put),
         admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, holds=pair.holds,
-        sample=sample, bounds=bounds,
+        cases=cases, bounds=bounds,
     )  # fmt: skip
 
 
-def lower_pair(name, doc, pair, sample):
+def lower_pair(name, doc, pair, cases):
     """Return the Kind of a lower pair any of whose axes a law may hold, or whose axes may be released."""
 
     def prepare(d, nodes, context):
@@ -146,15 +145,15 @@ def lower_pair(name, doc, pair, sample):
         rigid, dtype=PAIR_RECORD, fields=(*pair.declared, compliance_field(pair.held), RELEASE),
         optional=(*pair.optional, *law_outputs("compliance", pair.held)), prepare=prepare,
         check=lambda d, nodes: rigid.check(d, nodes) + check_release(d, excluded),
-        sample=lambda rng: with_samples(sample(rng), RELEASE_PHASES),
+        cases=(*cases, {**cases[0], **SAMPLE}),
     )  # fmt: skip
     released = _released(kind, pair)
     return replace(kind, variant=lambda d: released if d["release"] else kind)
 
 
-def sharing_pair(name, doc, pair, shared, sample):
+def sharing_pair(name, doc, pair, shared, cases):
     """Return the Kind of a lower pair whose nodes share unknowns, unless an option needs the reactions of all axes."""
-    given = lower_pair(f"{name}_held", doc, pair, sample)
+    given = lower_pair(f"{name}_held", doc, pair, cases)
     apart = replace(given, check=lambda d, nodes: shared.check(d, nodes) + given.check(d, nodes))
     released = _released(apart, pair)
 

@@ -13,7 +13,7 @@ Option: ``turning_law`` gives a moment about the normal from the angle and its r
 
 from mecano.constraints.along_coordinate.measure import MOMENT, TURNING, Outputs, translation
 from mecano.constraints.joint_options import TURNING_LAW
-from mecano.constraints.joint_samples import SPRUNG, two_places
+from mecano.constraints.joint_samples import AXIS_1, TURNING_SPRUNG
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
@@ -28,13 +28,6 @@ def _put_reactions(p, at, F, y, i):
     put(y, i + 1, (-at.q[13], at.q[12], 0.0))
 
 
-def sample(rng):
-    """Return a random plane next to the first node, with and without the law."""
-    nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
-    law = {"turning_law": SPRUNG, "natural_angle": 0.2}
-    return [(d, nodes, ""), ({**d, "axis_1": rng.normal(size=3), **law}, nodes, "")]
-
-
 PLANAR = rigid_pair(
     "planar", __doc__,
     LowerPair(
@@ -45,5 +38,5 @@ PLANAR = rigid_pair(
         options=(TURNING_LAW,),
         reactions=Outputs((Output("force", "N", "force of a on b along the normal"), MOMENT), _put_reactions),
     ),
-    sample,
+    cases=({}, {"axis_1": AXIS_1, **TURNING_SPRUNG}),
 )  # fmt: skip

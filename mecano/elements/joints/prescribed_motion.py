@@ -21,7 +21,6 @@ from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_nodes import ENDS, NODES, check_apart, distance
-from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
 from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.triads import triad
@@ -96,24 +95,8 @@ def _check_length(d, nodes):
 
 
 def _sine(amplitude, frequency, offset):
+    """Return a motion of samples."""
     return (("sine", {"amplitude": amplitude, "frequency": frequency, "phase": 0.4, "offset": offset}),)
-
-
-def _sample_positions(rng):
-    """Return a moving support."""
-    return [({"direction": rng.normal(size=3), "value": f}, 1, "") for f in (_sine(0.3, 0.7, 0.1), "time**2/2")]
-
-
-def _sample_angles(rng):
-    """Return a motion of many turns."""
-    nodes = two_places(rng)
-    return [({"axis": rng.normal(size=3), "value": f}, nodes, "") for f in (_sine(30.0, 0.2, 4.0), "9*sin(time/4)")]
-
-
-def _sample_lengths(rng):
-    """Return a leg that changes its length, and two whose length is given."""
-    given = {"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}
-    return [(values, 2, "") for values in given]
 
 
 PRESCRIBED_POSITION = _prescribed(
@@ -130,7 +113,7 @@ PRESCRIBED_POSITION = _prescribed(
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "force on the node along the direction"),
     ),
-    sample=_sample_positions,
+    cases=({"value": _sine(0.3, 0.7, 0.1)}, {"value": "time**2/2"}),
 )  # fmt: skip
 PRESCRIBED_ANGLE = _prescribed(
     "prescribed_angle", "Rotation of node b relative to node a about an axis, as a function of time", TWIST,
@@ -147,7 +130,7 @@ PRESCRIBED_ANGLE = _prescribed(
         *angle_outputs("rotation of b relative to a about the axis since the start"),
         Output("moment", "N m", "moment of a on b about the axis"),
     ),
-    sample=_sample_angles,
+    cases=({"value": _sine(30.0, 0.2, 4.0)}, {"value": "9*sin(time/4)"}),
 )  # fmt: skip
 PRESCRIBED_LENGTH = _prescribed(
     "prescribed_length", "Distance of two nodes as a function of time, as for a driven strut or leg", DISTANCE,
@@ -164,5 +147,5 @@ PRESCRIBED_LENGTH = _prescribed(
         Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
     ),
     check=_check_length,
-    sample=_sample_lengths,
+    cases=({"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}),
 )  # fmt: skip

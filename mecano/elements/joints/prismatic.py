@@ -19,7 +19,7 @@ from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION
 from mecano.constraints.joint_nodes import one_rotation, turned_apart
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
-from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel, two_places
+from mecano.constraints.joint_samples import AXIS_1, RUBBING, SLIDE_STOPPED, SPRUNG, STICKING
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -41,20 +41,6 @@ def _put_reactions(p, at, F, y, i):
     put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
 
 
-def sample(rng):
-    """Return a random axis next to both nodes, with every option, and nodes with different orientations."""
-    nodes, d = two_parallel(rng), {"axis": rng.normal(size=3)}
-    law = {"sliding_law": SPRUNG, "natural_displacement": 0.2}
-    return [
-        (d, nodes, ""),
-        ({**d, **law, "friction": {**RUBBING, "key_radius": 0.3}}, nodes, ""),
-        ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
-        ({**d, **SLIDE_STOPPED}, nodes, ""),
-        ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        (d, two_places(rng), ""),
-    ]
-
-
 PRISMATIC = sharing_pair(
     "prismatic", __doc__,
     LowerPair(
@@ -65,5 +51,11 @@ PRISMATIC = sharing_pair(
         options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, "along_axis", LENGTH, KEY_RADIUS)),
     ),
     Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), apart=turned_apart),
-    sample,
+    cases=(
+        {},
+        {"sliding_law": SPRUNG, "natural_displacement": 0.2, "friction": {**RUBBING, "key_radius": 0.3}},
+        {"friction": {**STICKING, "key_radius": None}},
+        SLIDE_STOPPED,
+        {"axis_1": AXIS_1, "compliance": dict.fromkeys(HELD, SPRUNG)},
+    ),
 )  # fmt: skip

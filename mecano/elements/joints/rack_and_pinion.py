@@ -22,7 +22,7 @@ from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
 from mecano.constraints.joint_nodes import check_perpendicular
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output, named
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
@@ -45,13 +45,6 @@ def prepare(d, nodes, context):
     return {"mu": mu @ R_a, "xi": mu @ R_b, "sigma": sigma @ R_a, "offset": along, "travel": d["radius"]}
 
 
-def sample(rng):
-    """Return a rack in general position."""
-    frame = triad(rng.normal(size=3))
-    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
-    return [({"axis": frame[2], "direction": frame[0], "radius": 0.8}, nodes, "")]
-
-
 _RIGID = Kind(
     name="rack_and_pinion", section="joints", doc=__doc__,
     display=Display(shape="gears", support=False, pictures=("gears",)),
@@ -72,6 +65,7 @@ _RIGID = Kind(
     ),
     counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
     check=lambda d, nodes: check_perpendicular(d, "axis", "direction"),
-    **named(prepare, sample),
+    prepare=prepare,
+    cases=({"axis": (0.6, 0.0, 0.8), "direction": (-0.8, 1.0, 0.6), "radius": 2.0},),
 )  # fmt: skip
 RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel, driver=1), _put_motion, "radius")

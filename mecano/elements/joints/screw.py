@@ -23,7 +23,7 @@ from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_options import SLIDE_ENDS, TURNING_LAW, Option
-from mecano.constraints.joint_samples import SLIDE_STOPPED, SPRUNG, two_places
+from mecano.constraints.joint_samples import SLIDE_STOPPED, TURNING_SPRUNG
 from mecano.constraints.of_coordinates import BOTH
 from mecano.constraints.pair import AXES_FIELDS, axis_place
 from mecano.constraints.thread_friction import THREAD_FRICTION, thread_friction_parts
@@ -60,17 +60,6 @@ def _thread(d, p, context):
     return [Part(GEARED_SLIDE, BOTH, thread), *thread_friction_parts(d["friction"], thread, len(HELD))]
 
 
-def sample(rng):
-    """Return a random axis next to the first node, either hand, the options."""
-    nodes, d = two_places(rng), {"axis": rng.normal(size=3), "pitch": 4.0}
-    return [
-        (d, nodes, ""),
-        ({**d, "pitch": -3.0, "turning_law": SPRUNG, "natural_angle": 0.2}, nodes, ""),
-        ({**d, **SLIDE_STOPPED}, nodes, ""),
-        ({**d, "friction": {"efficiency": 0.6, "backdriving_efficiency": -0.2, "regularization": 0.5}}, nodes, ""),
-    ]
-
-
 SCREW = rigid_pair(
     "screw", __doc__,
     LowerPair(
@@ -91,5 +80,10 @@ SCREW = rigid_pair(
         record=record(travel=(), **AXES_FIELDS),
         place=lambda d, nodes, context: {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)},
     ),
-    sample,
+    cases=(
+        {},
+        {"pitch": -3.0, **TURNING_SPRUNG},
+        SLIDE_STOPPED,
+        {"friction": {"efficiency": 0.6, "backdriving_efficiency": -0.2, "regularization": 0.5}},
+    ),
 )  # fmt: skip

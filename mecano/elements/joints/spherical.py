@@ -10,7 +10,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, friction_record, radius
 from mecano.constraints.ball_friction import BALL_FRICTION
 from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
-from mecano.constraints.joint_samples import FALLING, one_place
+from mecano.constraints.joint_samples import FALLING
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing
 from mecano.jit.kernel import kernel
@@ -38,12 +38,6 @@ def parts_held(d, nodes, context):
     return found
 
 
-def sample(rng):
-    """Return two nodes at the same position."""
-    nodes, friction = one_place(rng), {"coefficient": FALLING, "regularization": 0.2, "radius": 0.3}
-    return [({}, nodes, ""), *(({"friction": {**friction, "regularization": eps}}, nodes, "") for eps in (0.2, 50.0))]
-
-
 SPHERICAL_HELD = Kind(
     name="spherical_held", section="joints", doc=__doc__, display=Display(force="force"), layout=("x0", "x1"),
     fields=(
@@ -57,7 +51,7 @@ SPHERICAL_HELD = Kind(
     variant=lambda d: SPHERICAL_HELD if d["friction"] else SPHERICAL,
     check=lambda d, nodes: check_one_place(d, nodes) + check_friction(d),
     holds=lambda d: ("along_1", "along_2", "along_axis"),
-    sample=sample,
+    cases=({}, *({"friction": {"coefficient": FALLING, "regularization": u, "radius": 0.3}} for u in (0.2, 50.0))),
 )  # fmt: skip
 
 SPHERICAL = replace(

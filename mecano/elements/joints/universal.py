@@ -30,7 +30,7 @@ from mecano.constraints.body_fixed import follow, relative_rotation, turning_rat
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.joint_nodes import NODES, check_one_place, check_perpendicular, one_position
-from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
+from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW, law_part
 from mecano.constraints.pair import (
     PAIR_RECORD,
@@ -166,22 +166,9 @@ def check(d, nodes):
     return check_one_place(d, nodes) + check_friction(d) + check_perpendicular(d, "axis_a", "axis_b") + set_points
 
 
-def sample(rng):
-    """Return random perpendicular pins, with every option."""
-    pins = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    nodes, d = one_place(rng), {"axis_a": pins[0], "axis_b": 2 * pins[1]}
-    radii = {"radius_a": 0.3, "radius_b": 0.2}
-    laws = {"turning_law_a": SPRUNG, "turning_law_b": SPRUNG, "natural_angle_b": 0.3}
-    return [
-        (d, nodes, ""),
-        ({**d, **laws, "friction": {**RUBBING, **radii}}, nodes, ""),
-        ({**d, "friction": {**STICKING, **radii}}, nodes, ""),
-        ({**d, **laws, "natural_angle_b": "command"}, nodes, ""),
-        ({**d, **laws, "compliance": {CROSS: SPRUNG, "along_2": SPRUNG}}, nodes, ""),
-        ({**d, "compliance": {"along_1": SPRUNG, "along_axis": SPRUNG}}, nodes, ""),
-    ]
-
-
+PINS = {"axis_a": (0.6, 0.0, 0.8), "axis_b": (-0.8, 1.0, 0.6)}  # of samples, as the others
+RADII = {"radius_a": 0.3, "radius_b": 0.2}
+PINS_SPRUNG = {**PINS, "turning_law_a": SPRUNG, "turning_law_b": SPRUNG, "natural_angle_b": 0.3}
 UNIVERSAL_RUBBING = Kind(
     name="universal_rubbing", section="joints", doc=__doc__, display=Display(pictures=("angles",), force="force"),
     dtype=RECORD, layout=("x0", "R0", "x1", "R1"),
@@ -223,7 +210,15 @@ UNIVERSAL_RUBBING = Kind(
     parts=parts_with_friction,
     observe=observe_with_friction,
     variant=lambda d: UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL,
-    **named(prepare, check, commit, sample),
+    cases=(
+        PINS,
+        {**PINS_SPRUNG, "friction": {**RUBBING, **RADII}},
+        {**PINS, "friction": {**STICKING, **RADII}},
+        {**PINS_SPRUNG, "natural_angle_b": "command"},
+        {**PINS_SPRUNG, "compliance": {CROSS: SPRUNG, "along_2": SPRUNG}},
+        {**PINS, "compliance": {"along_1": SPRUNG, "along_axis": SPRUNG}},
+    ),
+    **named(prepare, check, commit),
 )  # fmt: skip
 
 UNIVERSAL_ELASTIC = replace(

@@ -50,12 +50,7 @@ def times(d, start, end):
     return crossings(formula.program, places, start, end)
 
 
-def sample(rng):
-    """Return a table, and a polynomial."""
-    table = (("table", {"points": [(-2.0, 0.5), (0.0, 1.0), (2.0, 4.0)], "interpolation": "cubic", "beyond": "hold"}),)
-    square = (("polynomial", {"coefficients": [1.0, 0.3, 2.0]}),)
-    return [({"input": "a", "law": law}, 1, "") for law in (table, square)]
-
+TABLE = {"points": [(-2.0, 0.5), (0.0, 1.0), (2.0, 4.0)], "interpolation": "cubic", "beyond": "hold"}  # of samples
 
 CURVE = signal_of_input(
     "curve", __doc__,
@@ -63,5 +58,6 @@ CURVE = signal_of_input(
     outputs=(VALUE, SLOPE),
     jumps=lambda d: bool(places_of_jumps(d["law"])),
     output_jumps=lambda d, output: output == SLOPE.name and bool(corners(d["law"])),
-    **named(residual, observe, times, sample),
+    cases=tuple({"law": (term,)} for term in (("table", TABLE), ("polynomial", {"coefficients": [1.0, 0.3, 2.0]}))),
+    **named(residual, observe, times),
 )  # fmt: skip

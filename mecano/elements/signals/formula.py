@@ -18,7 +18,7 @@ from dataclasses import replace
 from functools import cache
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, UNIT_OF_VALUE
-from mecano.element_interface import Kind, named, record
+from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula, read_formula
 from mecano.maths.dual import number
@@ -39,17 +39,13 @@ def _of_size(n):
     return replace(FORMULA, inputs=tuple(f"input_{i}" for i in range(1, n + 1)), variant=None)
 
 
-def sample(rng):
-    """Return formulas with all operations, and one without inputs."""
-    return [
-        ({"value": "3*a.angle - b**2/(c + 4) + min(a.angle, b, 0.5) - max(c, 0.1)*time"}, 1, ""),
-        ({"value": "sin(a) + cos(b)*tan(c) - atan2(a, 1 + c) + hypot(a, b + 2) + abs(c) + sign(a)"}, 1, ""),
-        ({"value": "asin(a) + acos(b) + atan(c) + sqrt(4 + a) + exp(b)*log(2 + c) - tanh(-a) + (2 + a)**b"}, 1, ""),
-        ({"value": "step(a, -9, 9)*step(time, -1, b)"}, 1, ""),
-        ({"value": "time**2"}, 1, ""),
-    ]
-
-
+ALL_OPERATIONS = (
+    "3*a.angle - b**2/(c + 4) + min(a.angle, b, 0.5) - max(c, 0.1)*time",
+    "sin(a) + cos(b)*tan(c) - atan2(a, 1 + c) + hypot(a, b + 2) + abs(c) + sign(a)",
+    "asin(a) + acos(b) + atan(c) + sqrt(4 + a) + exp(b)*log(2 + c) - tanh(-a) + (2 + a)**b",
+    "step(a, -9, 9)*step(time, -1, b)",
+    "time**2",
+)  # in the samples
 FORMULA = Kind(
     name="formula", doc=__doc__, dtype=record(program="i"),
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
@@ -57,6 +53,7 @@ FORMULA = Kind(
     reads=lambda d: read_formula(d["value"]).references,
     prepare=lambda d, nodes, context: {"program": context.laws.append(read_formula(d["value"]).numbers)},
     variant=lambda d: _of_size(len(read_formula(d["value"]).references)),
-    **named(residual, sample),
+    cases=tuple({"value": text} for text in ALL_OPERATIONS),
+    residual=residual,
     **IN_DECK,
 )  # fmt: skip

@@ -8,7 +8,7 @@ Reaching and leaving a limit are events, at which time steps end. A limit that v
 
 import math
 
-from mecano.constraints.along_coordinate.limits import PHASES, between_limits, limited, limits_of, write_distances
+from mecano.constraints.along_coordinate.limits import between_limits, limited, limits_of, write_distances
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
 from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
@@ -45,6 +45,6 @@ LIMIT = signal_of_input(
     **between_limits("the input"),
     same_unit_as=lambda d: d["input"],
     prepare=lambda d, nodes, context: limits_of(d),
-    sample=lambda rng: [({"input": "a", "lower": -0.05, "upper": 0.1}, 1, phase) for phase in PHASES],
+    cases=({"lower": -0.05, "upper": 0.1},),
     **named(check, residual, event_values),
 )  # fmt: skip

@@ -19,7 +19,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.limits import PHASES, between_limits, limited, limits_of, write_distances
+from mecano.constraints.along_coordinate.limits import between_limits, limited, limits_of, write_distances
 from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
 from mecano.element_interface import Output, named, record
 from mecano.jit.kernel import kernel
@@ -134,15 +134,7 @@ def without_effect(d):
         yield "tracking_time", "without 'lower' and 'upper' the integral is not reset"
 
 
-def sample(rng):
-    """Return controllers at each limit and between them, and with one part only."""
-    d = {"input": "a", "proportional": 2.0, "integral": 3.0, "derivative": 0.5, "derivative_time": 0.2}
-    limits = {"lower": -0.05, "upper": 0.1, "tracking_time": 0.4}
-    return [
-        *(({**d, **limits}, 1, phase) for phase in PHASES),
-        ({"input": "a", "proportional": 2.0}, 1, "within"), ({"input": "a", "integral": 2.0}, 1, "within"),
-    ]  # fmt: skip
-
+LIMITS = {"lower": -0.05, "upper": 0.1}  # of samples
 
 PID = signal_of_input(
     "pid", __doc__, Field("proportional", NUMBER, "-", "K_P", 0.0),
@@ -159,5 +151,10 @@ PID = signal_of_input(
     **between_limits("the demand"),
     outputs=(VALUE, *STATES),
     variant=lambda d: _with(_scalars(d)),
-    **named(prepare, check, without_effect, residual, observe, event_values, sample),
+    cases=(
+        {**LIMITS, "derivative_time": 0.2, "tracking_time": 0.4},
+        {**LIMITS, "integral": 0.0, "derivative": 0.0, "initial": 0.0},
+        {**LIMITS, "proportional": 0.0, "derivative": 0.0},
+    ),
+    **named(prepare, check, without_effect, residual, observe, event_values),
 )  # fmt: skip

@@ -118,24 +118,6 @@ def _of_size(kind, n, m):
     )  # fmt: skip
 
 
-def sample_space(rng):
-    """Return systems of two states and two inputs, and of three states and one input."""
-    A, B, C = [[-1.0, 0.3], [0.2, -2.0]], [[1.0, 0.5], [0.0, 2.0]], [0.7, 0.4]
-    third = rng.normal(size=(3, 3)).tolist(), [[1.0], [0.0], [2.0]], [1.0, 2.0, 3.0]
-    return [
-        ({"inputs": ["a", "b"], "A": A, "B": B, "C": C, "D": [0.1, 0.2]}, 1, ""),
-        ({"inputs": ["a"], **dict(zip("ABC", third, strict=True))}, 1, ""),
-    ]
-
-
-def sample_transfer(rng):
-    """Return a proper and a strictly proper transfer function."""
-    return [
-        ({"input": "a", "numerator": [2.0, 0.5, 0.3], "denominator": [4.0, 2.0, 0.5]}, 1, ""),
-        ({"input": "a", "numerator": [1.0], "denominator": [1.0, 0.2]}, 1, ""),
-    ]
-
-
 SHARED = {
     **IN_DECK, "doc": __doc__, "dtype": RECORD, "force": force, "outputs": (VALUE, STATE), "observe": observe,
 }  # fmt: skip
@@ -154,7 +136,21 @@ STATE_SPACE = Kind(
     reads=lambda d: d["inputs"],
     smooths=lambda d: not any(d["D"] or ()),
     variant=lambda d: _of_size(STATE_SPACE, len(d["A"]), len(d["inputs"])),
-    sample=sample_space,
+    cases=(
+        {
+            "inputs": ["a", "b"],
+            "A": [[-1.0, 0.3], [0.2, -2.0]],
+            "B": [[1.0, 0.5], [0.0, 2.0]],
+            "C": [0.7, 0.4],
+            "D": [0.1, 0.2],
+        },
+        {
+            "inputs": ["a"],
+            "A": [[1.0, 2.0, 0.3], [0.2, -1.0, 0.0], [0.5, 0.1, -2.0]],
+            "B": [[1.0], [0.0], [2.0]],
+            "C": [1.0, 2.0, 3.0],
+        },
+    ),
     **SHARED,
 )
 TRANSFER_FUNCTION = Kind(
@@ -170,6 +166,9 @@ TRANSFER_FUNCTION = Kind(
     reads=lambda d: [d["input"]],
     smooths=lambda d: len(d["numerator"]) < len(d["denominator"]),
     variant=lambda d: _of_size(TRANSFER_FUNCTION, len(d["denominator"]) - 1, 1),
-    sample=sample_transfer,
+    cases=(
+        {"numerator": [2.0, 0.5, 0.3], "denominator": [4.0, 2.0, 0.5]},
+        {"numerator": [1.0], "denominator": [1.0, 0.2]},
+    ),
     **SHARED,
 )
