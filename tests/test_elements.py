@@ -28,8 +28,8 @@ def test_forces_turn_with_the_whole_model(kind):
 
 
 def moves_in_axes_of_its_own(kind):
-    """True if a kind knows a ground or a stream, and with it a velocity."""
-    return any(field.type in (GROUND, WHEEL) or field.name == "speed" for field in kind.fields)
+    """True if a kind knows a ground or a fluid, and with it a velocity."""
+    return kind.in_fluid or any(field.type in (GROUND, WHEEL) for field in kind.fields)
 
 
 @deck_kind

@@ -1,7 +1,6 @@
 """Generic tests of a slip law of tyres or a term of a law: functions that raise AssertionError."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.integrate import quad
@@ -13,11 +12,9 @@ from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip, SlipForces, SlipLaw
 from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
+from mecano.laws.term import Term
 from mecano.maths.vector import Vec3
-
-if TYPE_CHECKING:
-    from mecano.laws.term import Term
-    from mecano.schema import Values
+from mecano.schema import Values
 
 T, L, N = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
 STEP, RANGE = 1e-4, 3.0  # of differences, of arguments
@@ -26,7 +23,7 @@ STEP, RANGE = 1e-4, 3.0  # of differences, of arguments
 class Tyre:
     """A slip law with its record, on a level ground."""
 
-    def __init__(self, law: SlipLaw, values: "Values"):
+    def __init__(self, law: SlipLaw, values: Values):
         """Prepare the record for the ``values`` of a tyre law."""
         assert law.prepare is not None and law.record is not None, "a SlipLaw declares both by its fields"
         table = LawTable()
@@ -87,7 +84,7 @@ def check_no_load(law: SlipLaw) -> None:
     for tyre in tyres(law):
         k = tyre.forces(0.0, (1.0, 2.0), omega=(0.1, 20.0, 0.3))
         most = np.abs([*k.F, *k.M]).max()
-        assert most < 1e-6, f"{most:.3g} N or N m"
+        assert most < 1e-6, f"without load it exerts {most:.3g} N or N m"
 
 
 def _trials(term):
@@ -105,7 +102,7 @@ def _close(found, expected, what):
     assert abs(found - expected) <= 1e-7 * (1.0 + abs(expected)), f"{what}: {found:.9g} instead of {expected:.9g}"
 
 
-def check_derivatives(term: "Term") -> None:
+def check_derivatives(term: Term) -> None:
     """The derivatives of the term are those of its value."""
     rates = seed_of(term.name + " rates")
     for laws, start, arguments, _ in _trials(term):
@@ -121,7 +118,7 @@ def check_derivatives(term: "Term") -> None:
                 _close(by_v, difference(lambda h: evaluate_force(laws, start, s, v + h)[0], STEP), "dF/dv")  # noqa: B023
 
 
-def check_potential(term: "Term") -> None:
+def check_potential(term: Term) -> None:
     """The integral of the term is that of its value, at rest."""
     for laws, start, _, corners in _trials(term):
         edges = np.array([-RANGE, *(c for c in corners if -RANGE < c < RANGE), RANGE])

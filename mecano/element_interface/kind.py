@@ -162,6 +162,7 @@ class Mechanics:
     massless: tuple[str, ...] = ()  # massless scalars, whose rates follow from their own equations alone
     states: tuple[str, ...] = ()  # names of the scalars whose rates are determined by their equations
     of_signals: bool = False  # its scalars are signals
+    in_fluid: bool = False  # its forces depend on velocities relative to a fluid, also if this is at rest
     jumps: Callable = never
     """deck values of a signal -> True if its value may jump although its inputs do not"""
     output_jumps: Callable = never

@@ -63,6 +63,7 @@ def check(d, nodes):
 DRAG = on_demand(
     Kind(
         name="drag", section="loads", doc=__doc__, display=Display(force="force"), dtype=RECORD, layout=("x0",),
+        in_fluid=True,
         fields=(
             Field("node", NODE, "-", "node that it acts on"),
             Field("area", NUMBER, "m2", "area A across the stream", check=positive),
