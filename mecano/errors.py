@@ -3,9 +3,11 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import field
 from enum import Enum
-from typing import Self
+from typing import Self, TypeAlias
 
 from mecano.immutable import immutable
+
+LocatedWarning: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, text of the warning
 
 
 @immutable

@@ -8,7 +8,7 @@ a rigid body has no play.
 
 from collections.abc import Iterator, Mapping
 from math import atan2
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,12 +18,9 @@ from mecano.deck.physics import own_nodes
 from mecano.deck.turning_axes import OTHER_AXIS, bodies
 from mecano.deck.wording import quoted
 from mecano.element_interface import Kind, nothing
-from mecano.errors import name_list
+from mecano.errors import LocatedWarning, name_list
 from mecano.model.model import GROUND
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.schema import Values
 
 RANK = 1e-9  # least singular value of six independent rows, as in the search for redundant constraints
 NEARLY = 0.1  # least singular value beyond which flexible parts are held as in a frame, and not by an error
@@ -46,7 +43,7 @@ class Holding(NamedTuple):
     x: np.ndarray
 
 
-def binding_joints(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def binding_joints(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on the joints between the same two bodies that together hold them, but none of them alone.
 
     Flexible members and superelements count as bodies if their joints would almost allow a motion.

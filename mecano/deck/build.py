@@ -1,11 +1,11 @@
 """Checked deck -> model: nodes, elements, laws, and the initial velocities."""
 
 import re
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.deck.deck import Deck
 from mecano.deck.laws_of_time import uses_of_time
 from mecano.deck.physics import element_nodes, poses
 from mecano.deck.values import in_si
@@ -15,11 +15,8 @@ from mecano.laws.formula import read_formula
 from mecano.laws.formula_rate import LONGEST
 from mecano.laws.law_table import LawTable, breakpoints, landmarks
 from mecano.model.model import Element, Model, Node
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
+from mecano.model.state import State
+from mecano.model.system import System
 
 WITH_CORNERS = r"\b(?:abs|min|max|step)\("
 
@@ -29,7 +26,7 @@ def _with_unit_in_si(d):
     return {**d, "unit": in_si(d["unit"])} if d.get("unit") else d
 
 
-def build(deck: "Deck") -> Model:
+def build(deck: Deck) -> Model:
     """Return the Model of a checked deck (deck.Deck)."""
     values = deck.values
     at = poses(values["nodes"])
@@ -52,7 +49,7 @@ def _kind_in(d, time):
     return kind.in_run(d, time) if time and kind.in_run else kind
 
 
-def requested_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def requested_velocities(deck: Deck, system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the velocities [m/s] and angular velocities [rad/s] (n_nodes, 3), inertial, of ``initial.velocities``.
 
     Entries add up. The third return value is a mask (n_nodes,) of the nodes named by an entry.
@@ -72,7 +69,7 @@ def requested_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np
     return v, omega, named
 
 
-def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
+def set_velocities(deck: Deck, system: System, s: State) -> None:
     """Set the velocities of the state ``s`` in place to the initial velocities of the deck.
 
     A shared unknown takes the mean over the nodes named by an entry; fixed unknowns stay at rest.
@@ -87,12 +84,12 @@ def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
     s.v[:] = np.where(free & (counts > 0), sums / np.maximum(counts, 1.0), 0.0)
 
 
-def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
+def time_breakpoints(deck: Deck) -> tuple[float, ...]:
     """Return the times [s], ascending, of jumps and corners of laws and formulas of time, and of samples of signals."""
     return tuple(sorted(_samples(deck) | _corners(deck)))
 
 
-def time_samples(deck: "Deck") -> tuple[float, ...]:
+def time_samples(deck: Deck) -> tuple[float, ...]:
     """Return those of ``time_breakpoints`` at which signals are sampled and no law has a jump or corner."""
     return tuple(sorted(_samples(deck) - _corners(deck)))
 
@@ -124,7 +121,7 @@ def _formulas_of_time(deck):
     return {law for _, _, law in uses_of_time(deck.values, KINDS) if is_formula(law) and "time" in law}
 
 
-def time_landmarks(deck: "Deck") -> tuple[float, ...]:
+def time_landmarks(deck: Deck) -> tuple[float, ...]:
     """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse.
 
     The pulses are those of laws, and of formulas as far as these depend on the time itself.
@@ -140,7 +137,7 @@ def time_landmarks(deck: "Deck") -> tuple[float, ...]:
     return tuple(sorted(found))
 
 
-def places_of_laws(deck: "Deck") -> tuple[float, ...]:
+def places_of_laws(deck: Deck) -> tuple[float, ...]:
     """Return the times [s], ascending, of corners and pulses of laws of time."""
     return tuple(sorted({t for law in _all_laws_of_time(deck) for t in (*breakpoints(law), *landmarks(law))}))
 

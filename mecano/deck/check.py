@@ -4,9 +4,10 @@ import math
 from collections import ChainMap
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.deck import values
+from mecano.deck.compose import Node
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS
@@ -24,15 +25,12 @@ from mecano.deck.templates import arguments
 from mecano.deck.turning_axes import check_axes
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
+from mecano.element_interface import Kind
 from mecano.elements.members.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
+from mecano.laws.term import Term
 from mecano.schema import TEXT, Field, Values
 from mecano.schema import mapping as mapping_type
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.element_interface import Kind
-    from mecano.laws.term import Term
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
@@ -41,7 +39,7 @@ MOST_SAMPLES = 2_000_000  # sampling times of a signal, each of which is kept an
 UNCHECKED = "consistency is checked"  # once the errors are fixed
 
 
-def parameter(node: "Node", field: Field, scope: Scope) -> float | Invalid:
+def parameter(node: Node, field: Field, scope: Scope) -> float | Invalid:
     """Return a number of the section ``parameters``, which the whole deck may use."""
     assert scope.owner is not None, "the key of the parameter"
     name = scope.owner.value
@@ -111,7 +109,7 @@ CHECKS = {
 
 
 def scope_of(
-    root: "Node", kinds: "MutableMapping[str, Kind]", terms: "Mapping[str, Term]", folder: str, problems: list[Problem]
+    root: Node, kinds: MutableMapping[str, Kind], terms: Mapping[str, Term], folder: str, problems: list[Problem]
 ) -> Scope:
     """Return the Scope of the check of a deck; ``problems`` were found before. Raises DeckError for another version."""
     _check_version(root, problems)
@@ -135,7 +133,7 @@ def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "tuple
     return root, copies
 
 
-def checked_values(root: "Node", sections: Sequence[Field], scope: Scope) -> Values:
+def checked_values(root: Node, sections: Sequence[Field], scope: Scope) -> Values:
     """Check the expanded tree of a deck and return its values.
 
     Raises DeckError with all problems of the first step of the check that finds any.

@@ -5,16 +5,14 @@ crashes on deeply nested input and expands aliases without bound. Anchors and al
 """
 
 import re
-from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
+from typing import Any, NoReturn, TypeAlias
 
 import yaml
 
 from mecano.deck.scalar import resolved
+from mecano.deck.source import Source
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Mark, Problem
-
-if TYPE_CHECKING:
-    from mecano.deck.source import Source
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MAX_DEPTH = 64
@@ -38,7 +36,7 @@ class Node:
 
     __slots__ = ("value", "raw", "source", "line", "column")
 
-    def __init__(self, value: Content, source: "Source", line: int = 0, column: int = 0, raw: str = ""):
+    def __init__(self, value: Content, source: Source, line: int = 0, column: int = 0, raw: str = ""):
         self.value = value
         self.raw = raw
         self.source = source
@@ -102,7 +100,7 @@ class Frame:
 class Composer:
     """Builder of the tree of one document: ``root`` is the tree, ``problems`` are errors that do not stop it."""
 
-    def __init__(self, source: "Source", problems: list[Problem]):
+    def __init__(self, source: Source, problems: list[Problem]):
         self.source = source
         self.problems = problems
         self.root: Node | None = None
@@ -274,7 +272,7 @@ HANDLERS = {
 }
 
 
-def compose(source: "Source", problems: list[Problem], loader: type = LOADER) -> Node | None:
+def compose(source: Source, problems: list[Problem], loader: type = LOADER) -> Node | None:
     """Return the root Node of a Source, or None if it is empty; adds to ``problems``, raises DeckError."""
     composer = Composer(source, problems)
     if (marks := sum(map(source.text.count, ":,"))) > MAX_MARKS:

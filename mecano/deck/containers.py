@@ -3,8 +3,9 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from mecano.deck.compose import Node
 from mecano.deck.expressions import is_evaluated
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
@@ -14,9 +15,6 @@ from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, quoted, unit_text
 from mecano.element_interface import SECTIONS
 from mecano.schema import Field, Values
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 RESERVED = {"nodes": ("ground", "all")}
@@ -29,7 +27,7 @@ KEYS_OF_SECTIONS = {  # of those that are no mappings of names
 }  # fmt: skip
 
 
-def checked(node: "Node", field: Field, scope: Scope) -> Checked:
+def checked(node: Node, field: Field, scope: Scope) -> Checked:
     """Return the value of a field if it has the right type and passes its own check; else INVALID."""
     owner = scope.owner
     value = scope.checks[field.type.name](node, field, scope)
@@ -71,13 +69,13 @@ def _copy(value):
     return [_copy(item) for item in value] if type(value) is list else value
 
 
-def mapping(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
+def mapping(node: Node, field: Field, scope: Scope) -> Values | Invalid:
     """Return a dict with all fields of the type, defaults filled in."""
     return filled(node, field, field.type.options, scope)
 
 
 def filled(
-    node: "Node", field: Field, fields: Iterable[Field], scope: Scope, given: Mapping[str, Any] | None = None
+    node: Node, field: Field, fields: Iterable[Field], scope: Scope, given: Mapping[str, Any] | None = None
 ) -> Values | Invalid:
     """Return a dict of the fields from a mapping; ``given`` are keys and values that the caller has already read."""
     if type(node.value) is not dict:
@@ -146,7 +144,7 @@ def _missing(field, owner, scope):
     scope.refuse(owner, f"missing {quoted(scope.name_of(field.name))}, {what}")
 
 
-def named(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
+def named(node: Node, field: Field, scope: Scope) -> Values | Invalid:
     """Return a dict from names chosen by the user to values of one type."""
     if type(node.value) is not dict:
         listed = type(node.value) is list and any(type(item.value) is dict for item in node.value)
@@ -202,7 +200,7 @@ def wrong_name(name: str, section: str) -> str:
     return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 
-def list_(node: "Node", field: Field, scope: Scope) -> list[Any] | Invalid:
+def list_(node: Node, field: Field, scope: Scope) -> list[Any] | Invalid:
     """Return a list of values of one type, each with its own check."""
     if type(node.value) is not list:
         hint = "begin each item with '-', or put it in a list: [{...}]" if type(node.value) is dict else ""
@@ -216,7 +214,7 @@ def list_(node: "Node", field: Field, scope: Scope) -> list[Any] | Invalid:
     return values if len(scope.problems) == before else INVALID
 
 
-def either(node: "Node", field: Field, scope: Scope) -> Checked:
+def either(node: Node, field: Field, scope: Scope) -> Checked:
     """Return one of the keywords of the type, or a value of its other type."""
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
@@ -231,7 +229,7 @@ def _is_number(text):
     return is_evaluated(text) or is_quantity(text) or number(text) is not None
 
 
-def shorthand(node: "Node", field: Field, scope: Scope) -> Checked:
+def shorthand(node: Node, field: Field, scope: Scope) -> Checked:
     """Return the meaning of a keyword of the type, or a value of its type."""
     type_, words = field.type.options
     for word, meaning in words:
@@ -243,7 +241,7 @@ def shorthand(node: "Node", field: Field, scope: Scope) -> Checked:
     return scope.checks[type_.name](node, replace(field, type=replace(type_, expects=field.type.expects)), scope)
 
 
-def kind(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
+def kind(node: Node, field: Field, scope: Scope) -> Values | Invalid:
     """Return an element, joint or load as {"type": name of the kind, and the fields of the kind}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field)

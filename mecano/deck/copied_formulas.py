@@ -7,13 +7,10 @@ names of the template have their prefix.
 
 import re
 from collections.abc import Container, Mapping
-from typing import TYPE_CHECKING
 
 from mecano.deck.expressions import INSERT, WORDS, inner_text, inner_value, insert
+from mecano.deck.parameters import Parameters
 from mecano.element_interface import SECTIONS
-
-if TYPE_CHECKING:
-    from mecano.deck.parameters import Parameters
 
 OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
 SIGNS = r"[\s*/+<>,()]|^-"  # outside of inserts: of formulas, not of names
@@ -24,7 +21,7 @@ MEASURED = rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()"
 JOINED = r"[\w.$)(]"  # next to an insert: it is part of a name
 
 
-def is_formula(text: str, parameters: "Parameters") -> bool:
+def is_formula(text: str, parameters: Parameters) -> bool:
     """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
     signs = re.fullmatch(OUTPUT, text.strip()) or re.search(SIGNS, INSERT.sub("", text).strip())
     if text.startswith("=") or not signs:
@@ -33,7 +30,7 @@ def is_formula(text: str, parameters: "Parameters") -> bool:
     return not re.search(QUANTITY, shown) and re.search(OPERAND, shown) is not None
 
 
-def filled_in(text: str, parameters: "Parameters") -> str:
+def filled_in(text: str, parameters: Parameters) -> str:
     """Return a formula with the values of ``parameters``, and names with inserts; raises the errors of ``evaluate``."""
     return INSERT.sub(lambda match: _value(match, text, parameters), text)
 

@@ -14,7 +14,7 @@ a parameter that is a word are copied once, with the word in its place.
 from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from mecano.deck.compose import Given, Node, Pair
 from mecano.deck.containers import singular
@@ -24,15 +24,13 @@ from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.source import Source
 from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError, Mark, Problem
 from mecano.immutable import mutable
 from mecano.schema import Field
-
-if TYPE_CHECKING:
-    from mecano.deck.source import Source
 
 Entries: TypeAlias = dict[str, Pair]  # of a section, by name
 HOW_IN_A_LIST = "write [first, {repeat: {i: 1..6}, items: [a$i, b$i]}, last]"
@@ -46,9 +44,9 @@ class Level:
 
     parameters: Parameters
     stack: tuple[Mark, ...] = ()
-    sources: "dict[int, Source]" = field(default_factory=dict)
+    sources: dict[int, Source] = field(default_factory=dict)
 
-    def source(self, source: "Source") -> "Source":
+    def source(self, source: Source) -> Source:
         """Return the Source with marks that include the place of the copy."""
         if not self.stack:
             return source

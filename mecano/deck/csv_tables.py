@@ -10,21 +10,19 @@ import re
 from array import array
 from collections.abc import Iterable
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.deck.compose import Node
 from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
+from mecano.deck.scope import Scope
 from mecano.deck.source import Source
 from mecano.deck.units import UnitError, factor_of, parsed, unit_of
 from mecano.deck.values import in_range
 from mecano.deck.wording import quoted
 from mecano.immutable import mutable
-
-if TYPE_CHECKING:
-    from mecano.deck.scope import Scope
 
 HEADER = r"(?s)(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?"
 MOST_COLUMNS = 10_000
@@ -36,7 +34,7 @@ SEPARATED = "columns are separated by ',', ';' or tabs"
 class Table:
     """Points (x, y) of a file in SI units, with the line of each."""
 
-    source: "Source"
+    source: Source
     numbers: array = field(default_factory=lambda: array("d"))  # x, y of each point in turn
     rows: array = field(default_factory=lambda: array("q"))  # line number of each point, from 0
     units: list[tuple[str, Node] | None] = field(default_factory=list)  # of x and y: unit, node at its place
@@ -64,7 +62,7 @@ class ColumnRequest:
         return tuple(node and node.value for node in (*self.columns, *self.units)), self.declared
 
 
-def table(name: str, node: Node, request: ColumnRequest, scope: "Scope") -> Table | None:
+def table(name: str, node: Node, request: ColumnRequest, scope: Scope) -> Table | None:
     """Return the Table of a file named in a deck at ``node``, or None after reporting the problems; each is read once.
 
     The file must be in the folder of the deck or below it.
@@ -77,7 +75,7 @@ def table(name: str, node: Node, request: ColumnRequest, scope: "Scope") -> Tabl
     return scope.tables[key]
 
 
-def factor(unit: str, declared: str, place: Node, scope: "Scope") -> float | None:
+def factor(unit: str, declared: str, place: Node, scope: Scope) -> float | None:
     """Return the factor from the ``unit`` of a column, given at a ``place``, to SI units; None after reporting one."""
     try:
         return factor_of(unit, declared)

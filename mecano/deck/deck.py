@@ -2,16 +2,14 @@
 
 import math
 from dataclasses import field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mecano.deck.compose import Node
+from mecano.errors import Mark, Problem
 from mecano.immutable import immutable
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.errors import Mark, Problem
-    from mecano.schema import Values
+from mecano.schema import Values
 
 
 @immutable
@@ -27,20 +25,20 @@ class Deck:
     file: str  # as given by the user
     text: str
     sha256: str
-    values: "Values"
+    values: Values
     overrides: tuple[str, ...] = ()  # "path=value"
     files: dict[str, str] = field(default_factory=dict)  # name of each table read -> SHA-256
-    warnings: "tuple[Problem, ...]" = ()  # legal but suspicious input
-    keys: "dict[str, dict[str, Node]]" = field(default_factory=dict, repr=False)
+    warnings: tuple[Problem, ...] = ()  # legal but suspicious input
+    keys: dict[str, dict[str, Node]] = field(default_factory=dict, repr=False)
     """section -> {name: node of the tree that holds the name}"""
-    formulas: "dict[str, Mark]" = field(default_factory=dict, repr=False)
+    formulas: dict[str, Mark] = field(default_factory=dict, repr=False)
     """text of a formula -> Mark of its first place"""
     units_in_formulas: dict[str, dict[int, str]] = field(default_factory=dict, repr=False)
     """text of a formula -> {i: SI unit} of its operands that were parameters with units"""
     motions: tuple[tuple[Any, str | int, str], ...] = field(default=(), repr=False)
     """(mapping in ``values``, key, formula as written, with names of signals) of prescribed motions"""
 
-    def mark(self, section: str, name: str) -> "Mark | None":
+    def mark(self, section: str, name: str) -> Mark | None:
         """Return the mark of a name in the deck, or None if it is not in the deck."""
         node = self.keys.get(section, {}).get(name)
         return node.mark if node else None

@@ -1,20 +1,17 @@
 """Warnings of delays that cannot keep their inputs as exactly as a run computes them."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from mecano.deck.motions import NotAMotion, motion_of
 from mecano.elements.signals.delay import MOST
+from mecano.errors import LocatedWarning
 from mecano.schema import Values
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
 
 COARSE = 2.0  # steps between kept values
 POINTS = 9  # kept values in a period, from which the polynomial through them is right to 1e-3
 
 
-def delayed_inputs(values: Values) -> "Iterator[LocatedWarning]":
+def delayed_inputs(values: Values) -> Iterator[LocatedWarning]:
     """Yield (path, text) on delays of very many steps, and on inputs that adaptive steps do not resolve."""
     time = values["time"]
     for name, d in values["signals"].items():

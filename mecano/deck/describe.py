@@ -4,25 +4,22 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.examples import example_lines
+from mecano.element_interface import Kind
+from mecano.element_interface.declarations import Output
+from mecano.elements.members.cross_section import Shape
+from mecano.elements.wheels.slip_law import SlipLaw
+from mecano.laws.term import Term
 from mecano.model.measured_outputs import measurable, powers
 from mecano.schema import Field, Type
-
-if TYPE_CHECKING:
-    from mecano.element_interface import Kind
-    from mecano.element_interface.declarations import Output
-    from mecano.elements.members.cross_section import Shape
-    from mecano.elements.wheels.slip_law import SlipLaw
-    from mecano.laws.term import Term
 
 WIDTH = 100
 
 
-def describe(kind: "Kind") -> str:
+def describe(kind: Kind) -> str:
     """Return the text on a kind of element, joint or load: its documentation, fields and outputs."""
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
@@ -68,14 +65,14 @@ def _option(field, found):
     return lines + _event_lines(f"Events with '{field}'", [part for part, _ in found])
 
 
-def describe_shape(shape: "Shape") -> str:
+def describe_shape(shape: Shape) -> str:
     """Return the text on a shape of cross sections: its fields."""
     parts = [f"{shape.name} (section '{shape.section}')", "", shape.doc.strip(), "", "Fields"]
     example = example_lines(shape.name, shape.section, WIDTH)
     return "\n".join([*parts, *field_lines(shape.fields), *example]) + "\n"
 
 
-def describe_term(term: "Term") -> str:
+def describe_term(term: Term) -> str:
     """Return the text on a term of a law: its fields."""
     what = "y of one variable s" if term.role == "curve" else "force F of extension s and rate v"
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
@@ -83,7 +80,7 @@ def describe_term(term: "Term") -> str:
     return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"
 
 
-def describe_slip_law(law: "SlipLaw") -> str:
+def describe_slip_law(law: SlipLaw) -> str:
     """Return the description of a slip law of tyres: its documentation and fields."""
     fields = (Field(law.name, law.type, "-", "a field of a tyre law"),)
     parts = [f"{law.name} (slip law, a field of 'tire_laws')", "", law.doc.strip(), "", "Fields", *field_lines(fields)]
@@ -107,7 +104,7 @@ def field_lines(fields: Iterable[Field], indent: int = 1) -> list[str]:
     return lines
 
 
-def output_lines(outputs: "Iterable[Output]") -> list[str]:
+def output_lines(outputs: Iterable[Output]) -> list[str]:
     """Return lines for each output: name, unit, shape, meaning."""
     lines = []
     for output in outputs:

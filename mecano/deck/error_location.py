@@ -1,19 +1,16 @@
 """Position of an error in an element: one of its fields, or a value in it, also of the law or ground that it names."""
 
 import re
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node, Pair
 from mecano.deck.scope import place_of
+from mecano.element_interface import Kind
 from mecano.schema import SECTION_OF
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node, Pair
-    from mecano.element_interface import Kind
 
 PATH = r"'(\w+)((?:\.\w+)+)'"
 
 
-def pointed_at(text: str, kind: "Kind", entry: "Pair", root: "Node") -> "Node":
+def pointed_at(text: str, kind: Kind, entry: "Pair", root: Node) -> Node:
     """Return the node of the checked tree ``root`` to which an error text on an element of a ``kind`` refers.
 
     A text that begins with a quoted path, such as 'tire_law.radial', refers to the value at this path; for others see

@@ -7,14 +7,12 @@ may what it is multiplied with or divided by; angles are numbers.
 import ast
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from mecano.deck.expressions import NAME, is_expression
+from mecano.deck.scope import Scope
 from mecano.deck.units import dimension_of, is_quantity, number_and_unit, unit_of_dimension, written_in_si
 from mecano.laws.formula import COMPARISON, INPUT, difference_of, read_formula
-
-if TYPE_CHECKING:
-    from mecano.deck.scope import Scope
 
 Powers: TypeAlias = "tuple[float, ...] | None"  # of m, kg and s; None where they are unknown
 LIKE = ("abs", "min", "max", "hypot")  # functions of quantities of one dimension, which is that of their value
@@ -26,7 +24,7 @@ class Unlike(Exception):
     """Quantities of two dimensions that are added or compared; the text names both units."""
 
 
-def doubt(text: str, declared: str, scope: "Scope") -> str:
+def doubt(text: str, declared: str, scope: Scope) -> str:
     """Return what is wrong with the units of an expression (text) for a field of the unit ``declared``, or ""."""
     try:
         found = _of_text(text, scope, 0)

@@ -2,17 +2,14 @@
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.units import ANY, UnitError, converted, is_in_si, is_quantity, number_and_unit, si_unit
 from mecano.deck.wording import quoted
 from mecano.errors import Problem
 
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
 
-
-def forgotten_units(before: "Node", after: "Node", paths: Iterable[str]) -> list[Problem]:
+def forgotten_units(before: Node, after: Node, paths: Iterable[str]) -> list[Problem]:
     """Return warnings (list of Problem) about the numbers at ``paths``, "a.b.c", of the trees of a deck.
 
     A number without a unit is in SI units: 50 in the place of 60 km/h is 50 m/s. Only numbers are warned of whose ratio

@@ -1,16 +1,13 @@
 """Problems of a deck as text: position, message, the line and a caret."""
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from mecano.errors import DeckError, Problem
+from mecano.errors import DeckError, Problem
 
 MAX_PRINTED = 50
 WINDOW = 100  # characters shown of a long line
 CUT = "…"  # replaces the first or last character shown if the line continues there
 
 
-def problem_text(problem: "Problem", others: int = 0) -> str:
+def problem_text(problem: Problem, others: int = 0) -> str:
     """Return one problem as lines: ``file:line:column: message; hint``, the line of the deck, a caret.
 
     ``others`` is the number of further copies of the same entry with the same problem.
@@ -38,7 +35,7 @@ def _line_and_caret(mark):
     return [f"    {line}", "    " + " " * (column - begin) + "^"]
 
 
-def deck_error_text(error: "DeckError") -> str:
+def deck_error_text(error: DeckError) -> str:
     """Return the first problems of a DeckError, sorted by position, and the number of all; copies count once."""
     copies: dict[tuple[tuple[str, int, int], str], list[Problem]] = {}
     for problem in sorted(error.problems, key=_place):

@@ -1,27 +1,21 @@
 """Warnings about springs, brakes, couples and racks that act about or along an axis which their joints hold."""
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from mecano.deck.turning_axes import are_parallel, bodies, listed, turning_together
 from mecano.deck.wording import quoted
 from mecano.element_interface import FREELY, Kind
-from mecano.errors import name_list
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.errors import LocatedWarning, name_list
+from mecano.schema import Values
 
 SLIDING = {"about_1", "about_2", "about_axis", "along_1", "along_2"}  # axes that a guide holds
 ACROSS = 0.1  # cosine of the angle between two axes that count as perpendicular
 MOST_NAMED = 3
 
 
-def idle_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def idle_axes(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on elements and loads that act about an axis across that about which their nodes can turn.
 
     This is the axis of a hinge between both bodies, or that of parallel hinges of both on a third one.
@@ -47,7 +41,7 @@ def idle_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedW
             yield (section, name, field), f"{what} {name_list([quoted(n) for n in pair], MOST_NAMED)} turn: no effect"
 
 
-def idle_racks(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def idle_racks(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on racks whose teeth run across the guide on which they slide."""
     racks = {name: d for name, d in values["joints"].items() if {"direction", "radius"} <= d.keys()}
     if not racks:
@@ -74,5 +68,5 @@ def _between(pair, hinges):
     return []
 
 
-def _are_perpendicular(a: "Sequence[float]", b: "Sequence[float]") -> bool:
+def _are_perpendicular(a: Sequence[float], b: Sequence[float]) -> bool:
     return bool(abs(np.dot(a, b)) <= ACROSS * np.linalg.norm(a) * np.linalg.norm(b))

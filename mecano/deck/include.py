@@ -6,15 +6,12 @@
 import os
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from mecano.deck.compose import Node, Pair, compose
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError, Problem
-
-if TYPE_CHECKING:
-    from mecano.schema import Field
+from mecano.schema import Field
 
 MOST_FILES = 100
 
@@ -37,7 +34,7 @@ class Inclusion:
     to that of the deck}, for the files that it names itself.
     """
 
-    def __init__(self, folder: str, sections: "Iterable[Field]", problems: list[Problem]):
+    def __init__(self, folder: str, sections: Iterable[Field], problems: list[Problem]):
         self.folder, self.problems = folder, problems
         self.named = {field.name for field in sections if field.type.name == "named"}
         self.sections: dict[str, Pair] = {}

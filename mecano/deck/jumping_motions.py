@@ -6,23 +6,20 @@ of the acceleration at its points, and with it of the forces.
 """
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.element_interface import Kind
+from mecano.errors import LocatedWarning
 from mecano.laws.law_table import breakpoints
 from mecano.laws.probe import JUMP, curve_values
 from mecano.schema import MOTION, Values
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
 
 STRAIGHT = 2  # points of a table that is a straight line
 NEAR = 1e-9  # of a time, on both sides of which values and rates are compared
 
 
-def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on prescribed motions that jump within a run.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements. A rate at the start is none: the

@@ -1,11 +1,9 @@
 """Warnings about coefficients of friction that no pair of materials has: those given in percent."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.errors import LocatedWarning
+from mecano.schema import Values
 
 OF_TYRES = {  # path in a tyre law: largest value; racing tyres reach 2, tyres in sand roll with 0.3
     ("friction",): 3.0, ("fiala", "friction"): 3.0, ("yawed_rolling", "friction"): 3.0,
@@ -15,7 +13,7 @@ OF_JOINTS = {("friction", "coefficient"): 3.0}
 LEVELS = {"constant": "value", "exponential": "start"}  # term of a curve: the field of its largest value
 
 
-def large_frictions(values: "Values") -> "Iterator[LocatedWarning]":
+def large_frictions(values: Values) -> Iterator[LocatedWarning]:
     """Yield (path, text) on the tyre laws and joints with a coefficient of friction that is too large."""
     for section, paths in (("tire_laws", OF_TYRES), ("joints", OF_JOINTS)):
         for name, d in values[section].items():

@@ -1,19 +1,16 @@
 """Warnings about latches from which the law of their joint pushes away, as by a wrong sign."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from mecano.constraints.along_coordinate.demand import as_formula
+from mecano.errors import LocatedWarning
 from mecano.laws.law_table import LawTable, evaluate_force
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.schema import Values
 
 LAWS = {"angle": ("turning_law", "natural_angle"), "displacement": ("sliding_law", "natural_displacement")}
 
 
-def latches_pushed_away(values: "Values") -> "Iterator[LocatedWarning]":
+def latches_pushed_away(values: Values) -> Iterator[LocatedWarning]:
     """Yield (path, text) on joints whose law pushes away from their latch at the start, if nothing else drives them."""
     driven = {id(joint) for section in ("joints", "loads") for d in values[section].values() for joint in _joints(d)}
     for name, d in values["joints"].items():

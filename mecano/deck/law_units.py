@@ -1,19 +1,16 @@
 """Check the units in the laws of the section ``laws`` against the value and the argument of each of their uses."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.laws import law, units_in
+from mecano.deck.scope import Scope
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.schema import NUMBER
 
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
 
-
-def check_named_laws(root: "Node", scope: "Scope") -> None:
+def check_named_laws(root: Node, scope: Scope) -> None:
     """Note errors for units in named laws that do not agree with a use; ``root`` is the tree of the checked deck."""
     nodes = {name: node for name, (_, node) in root.value["laws"][1].value.items()} if "laws" in root.value else {}
     checked = set()

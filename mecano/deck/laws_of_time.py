@@ -1,16 +1,13 @@
 """The laws and formulas of time in a deck, wherever they stand: also inside mappings, and in grounds that move."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
+from mecano.deck.laws import Law
 from mecano.element_interface import SECTIONS, Kind
 from mecano.schema import TIME_CURVE, Values
 
-if TYPE_CHECKING:
-    from mecano.deck.laws import Law
 
-
-def uses_of_time(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[tuple[str, tuple[str, ...], Law | str]]":
+def uses_of_time(values: Values, kinds: Mapping[str, Kind]) -> Iterator[tuple[str, tuple[str, ...], Law | str]]:
     """Yield (owner, path, value) of all checked laws and formulas of time; ``values`` are those of a checked deck."""
     for section in SECTIONS:
         for name, d in values[section].items():

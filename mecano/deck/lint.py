@@ -8,22 +8,18 @@ motions that jump; unused entries.
 
 import math
 from collections.abc import Container, Mapping
-from typing import TYPE_CHECKING, TypeAlias
 
+from mecano.deck.compose import Node
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.without_effect import without_effect
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind, nothing
-from mecano.errors import Problem, name_list
+from mecano.errors import Mark, Problem, name_list
 from mecano.laws.law_table import breakpoints
 from mecano.model.mesh import divides, inner_names
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.errors import Mark
-    from mecano.schema import Values
+from mecano.schema import Values
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
 DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"
@@ -48,13 +44,12 @@ LEAST_DEFLECTION = 0.01  # of the diameter of a tyre under its load
 FASTEST = 3e4  # m/s, speed of waves along a rod
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
-LocatedWarning: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, text of the warning
 NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that others refer to
 
 
 def suspicious(
-    values: "Values",
-    root: "Node",
+    values: Values,
+    root: Node,
     used: Mapping[str, Container[str]],
     kinds: Mapping[str, Kind],
     varied: bool,
@@ -76,7 +71,7 @@ def suspicious(
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
 
 
-def unplaced(templates: "Mapping[str, Mark]") -> list[Problem]:
+def unplaced(templates: Mapping[str, Mark]) -> list[Problem]:
     """Return warnings on templates, {name: mark}, of which the deck places no copy."""
     return [Problem(f"template {quoted(name)} is not placed", mark) for name, mark in templates.items()]
 

@@ -1,24 +1,20 @@
 """Warnings about angles whose axis nothing holds: a motor or a gear without a bearing, or once it is released."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.physics import named_joints, own_nodes
 from mecano.deck.turning_axes import bodies, turning_together
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind, nothing
-from mecano.errors import name_list
+from mecano.errors import LocatedWarning, name_list
 from mecano.model.model import GROUND
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.schema import Values
 
 POINT = {"along_1", "along_2", "along_axis"}  # axes that hold a point of a body: it may turn about any axis
 
 
-def loose_axes(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def loose_axes(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on joints that hold angles of bodies which are held at one point, or not at all.
 
     A body with more joints or members is not judged: two spherical joints are a bearing, too. Those with a release are
@@ -58,7 +54,7 @@ def _loosely_held(found):
     return f"as only {quoted(found[0][0])} holds it, at a point" if found else "as no joint or member holds it"
 
 
-def loose_followers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def loose_followers(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on followers that may leave the plane of their curve, and that nothing else holds."""
     body, at = bodies(values, kinds, turning_together), _around(values, kinds)
     for name, d in values["joints"].items():
@@ -72,7 +68,7 @@ def loose_followers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Lo
             )
 
 
-def acting_on_released(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def acting_on_released(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on joints and loads along coordinates of joints that are released, which they outlast.
 
     The formula of a load may end with the joint, and is not judged.

@@ -1,15 +1,12 @@
 """Warnings of bodies that are not where they should be: centres of mass from the origin, nodes welded to two bodies."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.physics import poses
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.errors import LocatedWarning
+from mecano.schema import Values
 
 OUTSIDE = 1.0  # in sizes of all nodes, as the next ones: the last link of a double pendulum ends this far from them
 INSIDE = 0.1
@@ -17,7 +14,7 @@ FAR = 10.0
 DIGITS = 12  # after the point, so that the rounding of a rotation is not shown
 
 
-def misplaced_bodies(values: "Values") -> "Iterator[LocatedWarning]":
+def misplaced_bodies(values: Values) -> Iterator[LocatedWarning]:
     """Yield (path, text) on the bodies among the checked ``values`` of a deck."""
     bodies = {name: d for name, d in values["elements"].items() if {"node", "center_of_mass"} <= d.keys()}
     yield from _from_the_origin(bodies, values["nodes"])

@@ -2,15 +2,12 @@
 
 import re
 from collections.abc import Container, Mapping
-from typing import TYPE_CHECKING
 
+from mecano.deck.laws import Law
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
 from mecano.laws.formula_rate import LONGEST, TOO_LONG, with_rates
-
-if TYPE_CHECKING:
-    from mecano.deck.laws import Law
-    from mecano.schema import Values
+from mecano.schema import Values
 
 INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
@@ -22,7 +19,7 @@ SMOOTH = (
 )
 
 
-def put_curves_of_time(signals: "dict[str, Values]", sloping: Container[str]) -> None:
+def put_curves_of_time(signals: dict[str, Values], sloping: Container[str]) -> None:
     """Turn the curves of a straight line of the time, in place, into curves of the time.
 
     Curves whose names are ``sloping`` stay as they are, as their slopes would be others.
@@ -45,7 +42,7 @@ class NotAMotion(Exception):
     """A signal or formula that is no prescribed motion, and the reason."""
 
 
-def motion_of(text: str, signals: "Mapping[str, Values]") -> "Law | str":
+def motion_of(text: str, signals: Mapping[str, Values]) -> Law | str:
     """Return the motion of a formula (text): a formula of the time alone, or the terms of a law of time.
 
     ``signals`` are the checked values of the signals of the deck, with their laws. Raises NotAMotion.

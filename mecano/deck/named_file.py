@@ -2,19 +2,16 @@
 
 import hashlib
 import os
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.include import confined
+from mecano.deck.scope import Scope
 from mecano.deck.source import Source, Unreadable, decoded, read_bytes
 from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError
 
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
 
-
-def bytes_of(name: str, node: "Node", scope: "Scope") -> bytes | None:
+def bytes_of(name: str, node: Node, scope: Scope) -> bytes | None:
     """Return the bytes of a file in the folder of the deck or below it; None after reporting an error."""
     path = confined(scope.folder, name)
     if path is None:
@@ -30,7 +27,7 @@ def bytes_of(name: str, node: "Node", scope: "Scope") -> bytes | None:
     return data
 
 
-def source_of(name: str, node: "Node", scope: "Scope") -> Source | None:
+def source_of(name: str, node: Node, scope: Scope) -> Source | None:
     """Return the Source of such a file; None after reporting an error."""
     data = bytes_of(name, node, scope)
     try:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mecano.deck.wording import quoted
 
 if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
+    from mecano.errors import LocatedWarning
     from mecano.schema import Values
 
 BODIES = ("rigid_body", "point_mass")

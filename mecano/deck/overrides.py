@@ -4,15 +4,12 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import accumulate
-from typing import TYPE_CHECKING
 
 from mecano.deck.compose import MAX_DEPTH, Node, Pair, compose
 from mecano.deck.source import FORBIDDEN, Source
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
-
-if TYPE_CHECKING:
-    from mecano.schema import Field
+from mecano.schema import Field
 
 ADDING = (
     "an override changes entries and does not add them: edit the deck, include it in one that adds them, or use "

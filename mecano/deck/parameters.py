@@ -6,14 +6,11 @@ They may also be words, which are inserted into names: ``side: left``.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.expressions import CONSTANTS, ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.scalar import number
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
 
 
 class Refused(Exception):
@@ -23,7 +20,7 @@ class Refused(Exception):
 class CircularParameter(ExpressionError):
     """Error for a parameter whose value depends on itself."""
 
-    def __init__(self, names: list[str], node: "Node"):
+    def __init__(self, names: list[str], node: Node):
         """``names``: from the parameter with the value ``node`` back to itself."""
         super().__init__(f"parameters depend on one another in a circle: {' -> '.join(names)}", 0)
         self.name, self.node = names[0], node
@@ -32,7 +29,7 @@ class CircularParameter(ExpressionError):
 class Parameters:
     """Named numbers and words, evaluated on demand."""
 
-    def __init__(self, nodes: "dict[str, Node] | None" = None, outer: "Parameters | None" = None):
+    def __init__(self, nodes: dict[str, Node] | None = None, outer: "Parameters | None" = None):
         """``nodes``: {name: node of its value}; ``outer``: Parameters that are searched for names not in ``nodes``."""
         self.nodes = nodes or {}
         self.outer = outer
@@ -50,11 +47,11 @@ class Parameters:
         """Return the names of all parameters."""
         return list(dict.fromkeys([*self.nodes, *(self.outer.names() if self.outer else ())]))
 
-    def node(self, name: str) -> "Node | None":
+    def node(self, name: str) -> Node | None:
         """Return the node of the value of a parameter, or None."""
         return self.nodes.get(name) or (self.outer.node(name) if self.outer else None)
 
-    def word(self, name: str) -> "Node | None":
+    def word(self, name: str) -> Node | None:
         """Return the node of a parameter that is a word, or None."""
         if name not in self.nodes:
             return self.outer.word(name) if self.outer else None
@@ -143,6 +140,6 @@ def _reads_as_number(text):
     return number(text) is not None or is_evaluated(text)
 
 
-def is_word(node: "Node") -> bool:
+def is_word(node: Node) -> bool:
     """Return True if a value is a text that names use literally; "01" and 1/3 are numbers in expressions."""
     return type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value)

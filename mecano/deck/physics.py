@@ -2,10 +2,11 @@
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from mecano.deck.compose import Node
 from mecano.deck.error_location import pointed_at
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scope import Scope
@@ -13,15 +14,12 @@ from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import GROUND, Element, beside_ground
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.schema import Values
+from mecano.schema import Values
 
 Poses: TypeAlias = dict[str, tuple[np.ndarray, np.ndarray]]  # of nodes by name: x (3,) [m], R (3, 3)
 
 
-def own_nodes(kind: Kind, values: "Values") -> list[str]:
+def own_nodes(kind: Kind, values: Values) -> list[str]:
     """Return the names of the nodes of an element, joint or load that its fields of node types give."""
     names = []
     for field in kind.fields:
@@ -33,12 +31,12 @@ def own_nodes(kind: Kind, values: "Values") -> list[str]:
     return names
 
 
-def element_nodes(kind: Kind, values: "Values") -> list[str]:
+def element_nodes(kind: Kind, values: Values) -> list[str]:
     """Return the names of the nodes of an element, joint or load: its own, then those of the joints that it names."""
     return [*own_nodes(kind, values), *(name for joint in named_joints(kind, values) for name in joint["nodes"])]
 
 
-def named_joints(kind: Kind, values: "Values") -> "list[Values]":
+def named_joints(kind: Kind, values: Values) -> list[Values]:
     """Return the checked values of the joints that an element, joint or load names."""
     return [joint for field in kind.fields for joint in _joints(field.type, values[field.name])]
 
@@ -60,14 +58,14 @@ def rotations(vectors: np.ndarray) -> np.ndarray:
     return np.eye(3) + s * H + c * H @ H
 
 
-def poses(nodes: "Mapping[str, Values]") -> Poses:
+def poses(nodes: Mapping[str, Values]) -> Poses:
     """Return {name: (x (3,) [m], R (3, 3))} of checked nodes."""
     x = np.array([node["position"] for node in nodes.values()])
     R = rotations(np.array([node["orientation"] for node in nodes.values()]))
     return {name: (x[i], R[i]) for i, name in enumerate(nodes)}
 
 
-def check_model(values: "Values", root: "Node", scope: Scope) -> None:
+def check_model(values: Values, root: Node, scope: Scope) -> None:
     """Report all inconsistencies in the elements, joints, loads and nodes."""
     at = poses(values["nodes"])
     used: set[str] = set()  # names of nodes

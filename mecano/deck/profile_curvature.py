@@ -12,21 +12,19 @@ disc cannot touch without penetrating the profile nearby, and the point nearest 
 
 import math
 from collections.abc import Container
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from mecano.constraints.ground import in_plane
 from mecano.constraints.triads import unit
+from mecano.deck.compose import Node
 from mecano.deck.error_location import pointed_at
+from mecano.deck.physics import Poses
+from mecano.deck.scope import Scope
 from mecano.deck.wording import quoted
 from mecano.laws.probe import shape_of_curve
 from mecano.schema import GROUND, Values
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.physics import Poses
-    from mecano.deck.scope import Scope
 
 ROUNDING = 1e-6  # of 1: a wheel of exactly the radius of curvature is accepted
 
@@ -42,7 +40,7 @@ class ConcaveStretch(NamedTuple):
 
 
 def check_profile_curvature(
-    values: Values, at: "Poses", sound: Container[tuple[str, str]], root: "Node", scope: "Scope"
+    values: Values, at: Poses, sound: Container[tuple[str, str]], root: Node, scope: Scope
 ) -> None:
     """Report each ground with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
 

@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Mapping, MutableMapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.deck.check import UNCHECKED, checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
@@ -21,11 +21,9 @@ from mecano.elements import KINDS
 from mecano.elements.plugins import load_installed
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
+from mecano.laws.term import Term
 from mecano.process.memory import reserve_blas_buffer
-
-if TYPE_CHECKING:
-    from mecano.laws.term import Term
-    from mecano.schema import Field
+from mecano.schema import Field
 
 BEFORE_COPIES = r"\s*(mecano|parameters|templates|place)\s*[.=]"  # overrides that affect the expansion
 
@@ -34,8 +32,8 @@ def read_deck(
     path: str | os.PathLike[str],
     overrides: Sequence[str] = (),
     kinds: MutableMapping[str, Kind] = KINDS,
-    sections: "Sequence[Field]" = SECTIONS,
-    terms: "Mapping[str, Term]" = TERMS,
+    sections: Sequence[Field] = SECTIONS,
+    terms: Mapping[str, Term] = TERMS,
 ) -> Deck:
     """Return the checked Deck of a file; ``overrides`` are texts "path.to.key=value".
 
@@ -58,8 +56,8 @@ def deck_of(
     digest: str = "",
     overrides: Sequence[str] = (),
     kinds: MutableMapping[str, Kind] = KINDS,
-    sections: "Sequence[Field]" = SECTIONS,
-    terms: "Mapping[str, Term]" = TERMS,
+    sections: Sequence[Field] = SECTIONS,
+    terms: Mapping[str, Term] = TERMS,
 ) -> Deck:
     """Return the checked Deck of a Source; see ``read_deck``."""
     reserve_blas_buffer()  # before the checks, which are the first to use linear algebra

@@ -1,26 +1,24 @@
 """Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from mecano.deck.compose import Node
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
 from mecano.deck.motions import NotAMotion, motion_of, put_curves_of_time
+from mecano.deck.scope import Scope
 from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
 from mecano.model.mesh import divided_nodes, divides, inner_names
 from mecano.schema import LINE, MOTION, Values
 
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
-
 OTHERS = ("nodes", "elements", "joints", "loads", "sections", "grounds", "tire_laws")  # where a name may be
 
 
-def resolve(values: Values, scope: "Scope") -> None:
+def resolve(values: Values, scope: Scope) -> None:
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     members = {name: d for name, d in values["elements"].items() if scope.kinds[d["type"]].divide and name not in nodes}
@@ -108,7 +106,7 @@ def _put_motion(reference, signals, scope):
         scope.refuse(reference.node, str(error))
 
 
-def unknown_names(root: "Node", scope: "Scope") -> None:
+def unknown_names(root: Node, scope: Scope) -> None:
     """Report references to names that are in no section of the tree ``root``, in a deck with other errors.
 
     Sections that are missing, misplaced or have invalid names are skipped; so are nodes inside members, which may be

@@ -1,10 +1,8 @@
 """Size of a run (steps, saved times, bytes of results, tolerance), with warnings if it is probably unintended."""
 
 import math
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mecano.schema import Values
+from mecano.schema import Values
 
 MOST_STEPS = 1e7
 MOST_BYTES = 4e9
@@ -12,13 +10,13 @@ NUMBER = 8  # bytes
 LOOSEST = 0.03  # tolerance of adaptive steps: in longer ones Newton's iteration costs more than the steps save
 
 
-def steps(values: "Values") -> int | None:
+def steps(values: Values) -> int | None:
     """Return the number of fixed steps of the checked deck ``values``; None if the step size is adaptive."""
     time = values["time"]
     return None if time["adaptive"] else _count(time, time["step"])
 
 
-def saved_times(values: "Values") -> int | None:
+def saved_times(values: Values) -> int | None:
     """Return the number of saved times including the start; None if every step is saved and their number is unknown."""
     every = values["output"]["every"]
     count = steps(values) if every == "step" else _count(values["time"], every)
@@ -30,12 +28,12 @@ def _count(time, interval):
     return math.ceil(count - max(1e-6, 1e-12 * count))  # rounding must not add a step
 
 
-def result_bytes(values: "Values", row: int, history: int) -> int:
+def result_bytes(values: Values, row: int, history: int) -> int:
     """Estimate the bytes of results: ``row`` numbers per saved time, ``history`` numbers per step."""
     return NUMBER * ((saved_times(values) or 0) * row + (steps(values) or 0) * history)
 
 
-def size_warnings(values: "Values", row: int, history: int) -> list[str]:
+def size_warnings(values: Values, row: int, history: int) -> list[str]:
     """Return warnings about a step or an interval that is probably mistyped; arguments as in ``result_bytes``."""
     texts, count = [], steps(values) or 0
     adaptive = values["time"] and values["time"]["adaptive"]

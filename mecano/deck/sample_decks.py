@@ -1,17 +1,14 @@
 """Sample decks: starters of `mecano new` (mecano/deck/starters) and examples of `mecano example` (inputs/)."""
 
+import os
 import re
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mecano.deck.new_file import write_bytes, write_text
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UsageError
-
-if TYPE_CHECKING:
-    import os
 
 STARTERS = files("mecano.deck") / "starters"
 EXAMPLES = files("mecano") / "inputs"  # in a clone a link to the folder inputs/
@@ -43,7 +40,7 @@ def starter(name: str) -> str:
     return known[name]
 
 
-def write_example(name: str, path: "str | os.PathLike[str]") -> list[str]:
+def write_example(name: str, path: str | os.PathLike[str]) -> list[str]:
     """Write an example deck to ``path``, and the files that it reads next to it; return the names of these files.
 
     Raises UsageError for an unknown name or if a file would be replaced; ResultsError if one cannot be written.

@@ -6,26 +6,23 @@ extreme case as a constant, and no error estimate notices.
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.laws_of_time import uses_of_time
 from mecano.element_interface import Kind
+from mecano.errors import LocatedWarning
 from mecano.laws import TERMS
 from mecano.laws.formula import phase_rate, phases_of_time, read_formula
 from mecano.laws.formula_rate import LONGEST
 from mecano.schema import Values
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
 
 LEAST, ENOUGH = 4.0, 20.0  # steps per period; a fortieth of the amplitude is lost between 20 samples
 ROUNDING = 1e-6  # of a step, so that exactly four steps a period are enough
 INSTANTS = 5  # of a run, at which the frequency of a wave in a formula is looked at
 
 
-def unsampled(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def unsampled(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on waves of time with fewer than ``LEAST`` steps a period, one for all uses of a law.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements.

@@ -4,21 +4,18 @@ A wheel that rolls on a flat stretch has no error, however long its steps are.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.deck.deck import Deck
+from mecano.deck.laws import Law
 from mecano.laws import TERMS
 from mecano.laws.law_table import terms_of
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.deck.laws import Law
 
 LEAST = 0.1  # rad: steps are not limited further for the sake of points of a table that are closer together
 
 
-def turn_over_bumps(deck: "Deck") -> float:
+def turn_over_bumps(deck: Deck) -> float:
     """Return the angle [rad] in which a wheel of a checked deck rolls from one end of a bump to its middle, or inf."""
     turn = math.inf
     for d in deck.values["elements"].values():
@@ -29,7 +26,7 @@ def turn_over_bumps(deck: "Deck") -> float:
     return turn
 
 
-def shortest_part(law: "Law") -> float:
+def shortest_part(law: Law) -> float:
     """Return the least distance of two places where a term that may be flat elsewhere changes, or inf."""
     shortest = math.inf
     for name, values in terms_of(law):

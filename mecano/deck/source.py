@@ -1,18 +1,15 @@
 """Texts with positions: strict reading of files, and marks of lines and columns."""
 
 import hashlib
+import os
 import re
 from array import array
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mecano.errors import DeckError, Mark, Problem
 from mecano.immutable import immutable
-
-if TYPE_CHECKING:
-    import os
 
 MAX_BYTES = 64 * 2**20
 BLOCK = 2**16  # characters, or more to the end of a line
@@ -88,7 +85,7 @@ class Unreadable(Exception):
     """Error for a file that cannot be opened or is too large, with the reason."""
 
 
-def is_utf8(path: "str | os.PathLike[str]") -> bool:
+def is_utf8(path: str | os.PathLike[str]) -> bool:
     """Return False for a path with bytes that are no UTF-8 text, which Python keeps as lone surrogates."""
     try:
         str(path).encode()
@@ -97,7 +94,7 @@ def is_utf8(path: "str | os.PathLike[str]") -> bool:
     return True
 
 
-def read_source(path: "str | os.PathLike[str]", file: str | None = None) -> tuple[Source, str]:
+def read_source(path: str | os.PathLike[str], file: str | None = None) -> tuple[Source, str]:
     """Return the Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, by default the path.
 
     Raises Unreadable, or DeckError if the bytes are not valid UTF-8 text.
@@ -106,7 +103,7 @@ def read_source(path: "str | os.PathLike[str]", file: str | None = None) -> tupl
     return decoded(data, str(path) if file is None else file), hashlib.sha256(data).hexdigest()
 
 
-def read_bytes(path: "str | os.PathLike[str]") -> bytes:
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
     """Return the bytes of a file. Raises Unreadable."""
     if not is_utf8(path):
         raise Unreadable("its name is not UTF-8 text")  # results files name it as text

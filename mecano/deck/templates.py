@@ -3,19 +3,16 @@
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.containers import SECTION_NAMES, filled
 from mecano.deck.parameters import Parameters
 from mecano.deck.placing import Word
+from mecano.deck.scope import Invalid, Scope
 from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
+from mecano.errors import Mark
 from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, Values, mapping, named
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Invalid, Scope
-    from mecano.errors import Mark
 
 DEEPEST = 12  # templates inside templates
 ZERO = (0.0, 0.0, 0.0)
@@ -34,7 +31,7 @@ PLACE = Field(
 )  # fmt: skip
 
 
-def arguments(node: "Node", declared: Field, scope: "Scope") -> "dict[str, Node] | Invalid":
+def arguments(node: Node, declared: Field, scope: Scope) -> dict[str, Node] | Invalid:
     """Return the checked values for parameters: {name: node of a number or word}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, declared)
@@ -44,7 +41,7 @@ def arguments(node: "Node", declared: Field, scope: "Scope") -> "dict[str, Node]
     return {name: value for name, (_, value) in node.value.items()}
 
 
-def place_values(node: "Node", scope: "Scope") -> "Values | Invalid":
+def place_values(node: Node, scope: Scope) -> Values | Invalid:
     """Return the checked values of an entry of ``place``, or INVALID."""
     return filled(node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, scope)
 
@@ -52,7 +49,7 @@ def place_values(node: "Node", scope: "Scope") -> "Values | Invalid":
 class Templates:
     """Templates of a deck, by name."""
 
-    def __init__(self, root: "Node", sections: Iterable[str], scope: "Scope"):
+    def __init__(self, root: Node, sections: Iterable[str], scope: Scope):
         """Check the templates of the deck ``root``; ``sections``: sections of names that a template may have."""
         self.sections, self.scope = ["parameters", "place", *sections], scope
         self.bodies = self._declared(root)
@@ -95,13 +92,13 @@ class Templates:
         finally:
             self._open.pop()
 
-    def unplaced(self, root: "Node") -> "dict[str, Mark]":
+    def unplaced(self, root: Node) -> dict[str, Mark]:
         """Return {name: mark} of the templates of the deck ``root`` itself, not of included files, without a copy."""
         keys = {name: root.value["templates"][1].value[name][0] for name in self.bodies if "templates" in root.value}
         own = {name: key for name, key in keys.items() if key.source.file == root.source.file}
         return {name: key.mark for name, key in own.items() if name not in self._placed}
 
-    def body(self, name: str, node: "Node") -> "Node | None":
+    def body(self, name: str, node: Node) -> Node | None:
         """Return the template with a name used at ``node``, or None if it cannot be placed."""
         if name not in self.bodies:
             self.scope.refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.bodies))
@@ -115,7 +112,7 @@ class Templates:
             return None
         return self.bodies[name]
 
-    def parameters(self, body: "Node", values: Values, key: "Node", node: "Node", outer: Parameters) -> Parameters:
+    def parameters(self, body: Node, values: Values, key: Node, node: Node, outer: Parameters) -> Parameters:
         """Return the Parameters of a copy: values from its entry of ``place``, and defaults; each must have a value.
 
         ``values`` come from ``place_values``, ``key`` and ``node`` are the entry, ``outer`` the Parameters of the deck.

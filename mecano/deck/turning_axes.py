@@ -1,27 +1,21 @@
 """Checks that joints which count an angle count it about the axis about which their bodies can turn."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from mecano.deck.physics import own_nodes, poses
+from mecano.deck.compose import Node
+from mecano.deck.physics import Poses, own_nodes, poses
 from mecano.deck.scope import Scope, place_of
 from mecano.deck.wording import quoted
-from mecano.element_interface import FREELY, SECTIONS
+from mecano.element_interface import FREELY, SECTIONS, Kind
 from mecano.model.model import GROUND, beside_ground
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from mecano.deck.compose import Node
-    from mecano.deck.physics import Poses
-    from mecano.element_interface import Kind
-    from mecano.schema import Values
+from mecano.schema import Values
 
 OTHER_AXIS = 1e-3  # rad
 
 
-def check_axes(values: "Values", root: "Node", scope: Scope) -> None:
+def check_axes(values: Values, root: Node, scope: Scope) -> None:
     """Report angles, prescribed or of gears, about another axis than that of the bearing between the same bodies."""
     joints, kinds = values["joints"], scope.kinds
     counted = [(name, *angle) for name, d in joints.items() for angle in kinds[d["type"]].counts_angles(d)]
@@ -50,19 +44,19 @@ def _described(name, d, pair):
     return f"{d['type']} {quoted(name)} between {bodies}, {listed(d['axis'])}"
 
 
-def listed(axis: "Sequence[float]") -> str:
+def listed(axis: Sequence[float]) -> str:
     """Return the components of a vector (3,) as in a deck."""
     return f"[{', '.join(f'{c:g}' for c in axis)}]"
 
 
-def are_parallel(a: "Sequence[float]", b: "Sequence[float]", sine: float) -> bool:
+def are_parallel(a: Sequence[float], b: Sequence[float], sine: float) -> bool:
     """Return whether two vectors (3,) have the same direction or opposite ones, to an angle with this ``sine``."""
     return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def bodies(
-    values: "Values", kinds: "Mapping[str, Kind]", together: "Callable[[Kind, Values, Poses], list[tuple[str, str]]]"
-) -> "Callable[[Sequence[str]], frozenset[str]]":
+    values: Values, kinds: Mapping[str, Kind], together: Callable[[Kind, Values, Poses], list[tuple[str, str]]]
+) -> Callable[[Sequence[str]], frozenset[str]]:
     """Return a function of names of nodes that returns the set of the bodies to which they belong.
 
     ``together`` returns the pairs of nodes of an element or joint that belong to one body.
@@ -84,7 +78,7 @@ def bodies(
     return lambda names: frozenset(body(name) for name in names)
 
 
-def turning_together(kind: "Kind", d: "Values", at: "Poses") -> list[tuple[str, str]]:
+def turning_together(kind: Kind, d: Values, at: Poses) -> list[tuple[str, str]]:
     """Return the pairs of nodes of an element or joint that have one rotation, or a constant relative one."""
     names = own_nodes(kind, d)
     if "attached" in d:  # also nodes with an orientation of their own

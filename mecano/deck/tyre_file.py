@@ -3,16 +3,13 @@
 import math
 import re
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
+from mecano.deck.scope import Scope
 from mecano.deck.wording import quoted
 from mecano.elements.wheels.magic_formula import KNOWN
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
 
 LINE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*=\s*('[^']*'|\"[^\"]*\"|[^\s$!]+)")
 UNITS = {  # key of the section [UNITS]: {word: its size in SI units}
@@ -38,7 +35,7 @@ MOTORCYCLE = re.compile(r"MC([_-]?TYRE)?$")  # ends the format of such files
 FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
 
 
-def read_tyre(name: str, node: "Node", scope: "Scope") -> tuple[dict[str, float], list[list[float]]] | None:
+def read_tyre(name: str, node: Node, scope: Scope) -> tuple[dict[str, float], list[list[float]]] | None:
     """Return what the Magic Formula uses of a file named in the deck at ``node``.
 
     That is its coefficients, and the points (deflection [m], load [N]) of its section [DEFLECTION_LOAD_CURVE], empty

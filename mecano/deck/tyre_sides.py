@@ -1,22 +1,19 @@
 """Warnings about tyres of .tir files that are not symmetric, and turn on both sides of a vehicle."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.physics import own_nodes
 from mecano.element_interface import Kind
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.errors import LocatedWarning
+from mecano.schema import Values
 
 ONE_SIDED = ("PHY1", "PVY1", "QHZ1", "QDZ6", "QSX1")  # of ply steer and conicity, at no camber and the nominal load
 APART = 0.5  # radii from the middle of all wheels, along the axle
 
 
-def one_sided_tyres(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def one_sided_tyres(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on tyre laws with ply steer or conicity that wheels on both sides of a vehicle share."""
     hubs = {n: own_nodes(kinds[d["type"]], d)[-1] for n, d in values["elements"].items() if "tire_law" in d}
     wheels = [(n, values["elements"][n]) for n, hub in hubs.items() if hub in values["nodes"]]  # others: inside beams

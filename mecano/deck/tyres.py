@@ -1,25 +1,22 @@
 """Complete the tyre laws of a deck by files, by the size of aircraft tyres, and by values of their slip laws."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
+from mecano.deck.scope import Scope
 from mecano.deck.tyre_file import read_tyre
 from mecano.deck.wording import quoted
 from mecano.elements.wheels import smiley_horne
 from mecano.elements.wheels.magic_formula import missing_coefficients
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import slip_law_of
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
-    from mecano.schema import Values
+from mecano.schema import Values
 
 WITH_TURN_SLIP = 5  # last digit of USE_MODE
 REQUIRED = {"radius": "undeformed radius [m]", "radial": "radial force [N], a curve of the radial deformation [m]"}
 
 
-def complete_tyres(tire_laws: "Mapping[str, Values]", root: "Node", scope: "Scope") -> None:
+def complete_tyres(tire_laws: Mapping[str, Values], root: Node, scope: Scope) -> None:
     """Read files of tyres, fill in fields by size and slip law, and note errors for missing or excess fields.
 
     ``tire_laws``: checked values by name, changed in place; ``root``: tree of the deck.

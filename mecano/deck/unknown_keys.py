@@ -2,18 +2,15 @@
 
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
+from mecano.deck.compose import Node
 from mecano.deck.key_synonyms import keys_meant
 from mecano.deck.laws import MEANT, TERM
+from mecano.deck.scope import Invalid, Scope
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import synonym
 from mecano.deck.wording import quoted
 from mecano.schema import Field
-
-if TYPE_CHECKING:
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Invalid, Scope
 
 MERGED = "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
 EXPANDED_KEYS = ("include", "set", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
@@ -50,12 +47,12 @@ UNKNOWN_KIND = "`mecano list` lists all; name the file of a plugin by --plugin, 
 
 
 def refuse_key(
-    pair: "tuple[Node, Node]",
-    before: "Node | None",
+    pair: tuple[Node, Node],
+    before: Node | None,
     known: set[str],
     fields: Iterable[Field],
     field: Field,
-    scope: "Scope",
+    scope: Scope,
 ) -> str:
     """Report the unknown key of a pair (key, value); return the hint, and the key that is written in it as "mass:1".
 
@@ -136,7 +133,7 @@ def _keys_of(field):
     return [inner.name for inner in field.type.options] if field.type.name == "mapping" else ()
 
 
-def refuse_untyped(node: "Node", section: str, scope: "Scope") -> "Invalid":
+def refuse_untyped(node: Node, section: str, scope: Scope) -> Invalid:
     """Report an entry without 'type', or a key that resembles 'type'."""
     kinds = _kinds_of(section, scope)
     for key, (key_node, value) in node.value.items():
@@ -160,7 +157,7 @@ def _fits(keys, fields):
     return {*keys} <= {own.name for own in fields} and all(own.name in keys for own in fields if own.required)
 
 
-def refuse_kind(type_node: "Node", section: str, scope: "Scope") -> "Invalid":
+def refuse_kind(type_node: Node, section: str, scope: Scope) -> Invalid:
     """Report a 'type' that is no kind of the section."""
     if type(type_node.value) is not str:
         return scope.refuse(type_node, f"'type' must be the name of a kind, got {scope.got(type_node)}")

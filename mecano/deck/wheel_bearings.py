@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,16 +9,14 @@ from mecano.deck.physics import own_nodes
 from mecano.deck.turning_axes import are_parallel, bodies, listed, turning_together
 from mecano.element_interface import SECTIONS, Kind
 from mecano.element_interface.kind import FREELY
+from mecano.errors import LocatedWarning
 from mecano.model.model import GROUND
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.schema import Values
 
 APART = 0.2  # sine of the angle between the axes of a wheel and of its bearing; toe and camber turn both
 
 
-def misplaced_bearings(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def misplaced_bearings(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on wheels that turn about another axis than theirs, that nothing holds, beside a bearing."""
     wheels = _wheels(values, kinds)
     yield from _beside(values, kinds, wheels)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 JOINED = re.compile(r"[\w.]")  # next to an insert that is part of a name
 
 
-def words_of(root: Node, parameters: "Parameters") -> set[str]:
+def words_of(root: Node, parameters: Parameters) -> set[str]:
     """Return the names of the Parameters of the deck ``root`` that are words and, somewhere, a name or part of one.
 
     A word that is only part of arithmetic is a mistyped number.
