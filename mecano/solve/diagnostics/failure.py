@@ -1,22 +1,20 @@
 """Messages of failed runs: time, worst equations, their elements, and advice."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
+from mecano.model.assembly import Assembly
 from mecano.model.model import length_scale
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, TRANSLATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE
+from mecano.solve.events.events import EventRecord
 from mecano.solve.linear.rounding import TINY
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.events.events import EventRecord
-    from mecano.solve.time.step_info import StepInfo
+from mecano.solve.time.step_info import StepInfo
 
 Failed = TypeVar("Failed", bound=ConvergenceError | NonFiniteError)
 REPORTED = 5  # equations reported, the worst of each node, joint or element
@@ -37,7 +35,7 @@ TRY = {
 
 
 def no_step(
-    system: "System", assembly: "Assembly", info: "StepInfo", t: float, h: float
+    system: System, assembly: Assembly, info: StepInfo, t: float, h: float
 ) -> ConvergenceError | NonFiniteError:
     """Return the error of a step from ``t`` that fails even with the size ``h`` [s], naming the worst equations.
 
@@ -57,7 +55,7 @@ def no_step(
     return of_equations(error, system, rows)
 
 
-def of_equations(error: Failed, system: "System", rows: Iterable[int]) -> Failed:
+def of_equations(error: Failed, system: System, rows: Iterable[int]) -> Failed:
     """Return the ``error`` with the elements that act in the equations of motion ``rows``, and all of their places."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in acting_elements(system, i)))
     moving = [i for i in rows if i < system.n_q]
@@ -72,7 +70,7 @@ def no_restart(error: AssemblyError, t: float) -> ConvergenceError:
     return ConvergenceError(f"{text}\nwhat to try: {TRY[error.failure]}")
 
 
-def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
+def not_finite(system: System, data: np.ndarray, t: float) -> NonFiniteError:
     """Return the error for non-finite ``data`` (n_data,) of the matrix of masses and constraints at ``t`` [s]."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
     places = {system.numbering.name[i].place: i for i in rows[::-1]}
@@ -81,7 +79,7 @@ def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
     return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
 
 
-def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFiniteError:
+def with_sources(error: NonFiniteError, system: System, s: State) -> NonFiniteError:
     """Return the NonFiniteError ``error`` with the elements whose own forces or tangents are not finite at ``s``.
 
     ``s`` is the last accepted state: later, one such element makes all others non-finite.
@@ -94,7 +92,7 @@ def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFini
     return NonFiniteError("\n".join(line for line in (first, already, rest) if line)).about(found)
 
 
-def undetermined(system: "System", assembly: "Assembly") -> str:
+def undetermined(system: System, assembly: Assembly) -> str:
     """Return as text the motions and reactions that the singular tangent of an assembly leaves undetermined.
 
     They form the null vector of the tangent excited by the residual, a line for each node, joint or element; "" if
@@ -120,7 +118,7 @@ def undetermined(system: "System", assembly: "Assembly") -> str:
     return "nothing resists:\n" + "\n".join(lines)
 
 
-def worst_rows(system: "System", assembly: "Assembly") -> list[int]:
+def worst_rows(system: System, assembly: Assembly) -> list[int]:
     """Return the indices of the worst equations of an assembly, one for each node, joint or element."""
     of, r = system.numbering, np.abs(assembly.residual[: system.n])
     with np.errstate(all="ignore"):
@@ -133,7 +131,7 @@ def worst_rows(system: "System", assembly: "Assembly") -> list[int]:
     return list(places.values())[:REPORTED]
 
 
-def worst_equations(system: "System", assembly: "Assembly") -> str:
+def worst_equations(system: System, assembly: Assembly) -> str:
     """Return the names and residuals of the worst equations of an assembly, with the elements acting in them."""
     of, r = system.numbering, np.abs(assembly.residual)
     return "\n".join(
@@ -152,7 +150,7 @@ def _scales(system, size):
     return scales
 
 
-def acting_elements(system: "System", i: int) -> list[str]:
+def acting_elements(system: System, i: int) -> list[str]:
     """Return the titles of the elements that act on the unknown ``i``; empty for a constraint."""
     if i >= system.n_q:
         return []
@@ -166,7 +164,7 @@ def acting_elements(system: "System", i: int) -> list[str]:
     return list(found)
 
 
-def acting_clause(system: "System", i: int) -> str:
+def acting_clause(system: System, i: int) -> str:
     """Return a clause naming the elements that act on the unknown ``i``; "" for a constraint."""
     names = acting_elements(system, i)
     if not names:
@@ -175,7 +173,7 @@ def acting_clause(system: "System", i: int) -> str:
 
 
 def minimum_step(
-    system: "System", before: np.ndarray, after: np.ndarray, error: float, t: float, h: float, rounded: bool
+    system: System, before: np.ndarray, after: np.ndarray, error: float, t: float, h: float, rounded: bool
 ) -> ConvergenceError:
     """Return the error of a step of the least size ``h`` [s] whose local error is ``error`` times the allowed one.
 
@@ -219,7 +217,7 @@ def _changing_most(system, change):
     return int(np.argmax(moving if moving.any() else relative))
 
 
-def friction_binds(system: "System", i: int, t: float) -> ConvergenceError:
+def friction_binds(system: System, i: int, t: float) -> ConvergenceError:
     """Return the error of a joint or contact, with the reaction of index ``i``, whose friction binds at ``t`` [s]."""
     place = system.numbering.name[i].place
     return ConvergenceError(
@@ -230,7 +228,7 @@ def friction_binds(system: "System", i: int, t: float) -> ConvergenceError:
     ).about([place])
 
 
-def standstill(event: "EventRecord", count: int, t: float) -> ConvergenceError:
+def standstill(event: EventRecord, count: int, t: float) -> ConvergenceError:
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
     return ConvergenceError(
         f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "

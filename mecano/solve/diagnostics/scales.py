@@ -1,12 +1,13 @@
 """Physical scales of residuals and errors, and the factors that balance the linear system."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from mecano.immutable import immutable
 from mecano.jit.entry import Vector, entry
 from mecano.jit.kernel import kernel
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import (
     LENGTH_CONSTRAINT,
     MASSLESS,
@@ -19,12 +20,9 @@ from mecano.model.numbering import (
     Unknowns,
 )
 from mecano.model.state import Motion, State
+from mecano.model.system import System
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 from mecano.solve.linear.rounding import HUGE, ROUNDING, TINY
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.system import System
 
 SIGNALS = 1e-8  # tolerance of the equation of a signal, relative to its value or rate
 NO_STIFFNESS = 1e-15  # N/m: a smaller mean stiffness is the rounding error of reactions
@@ -42,13 +40,13 @@ class Tolerances:
     max_iterations: int = 15
 
 
-def constraint_scale(system: "System", length: float) -> np.ndarray:
+def constraint_scale(system: System, length: float) -> np.ndarray:
     """Return the scale of each constraint (n_l,): the length scale [m], or 1 rad."""
     return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
 
 
 def balance(
-    system: "System", s: State, length: float, cK: float, cC: float, cM: float, into: "Assembly | None" = None
+    system: System, s: State, length: float, cK: float, cC: float, cM: float, into: Assembly | None = None
 ) -> float:
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 

@@ -3,22 +3,20 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from mecano.errors import name_list
 from mecano.immutable import mutable
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.shocks import Shocks
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.time.consistent import Consistent
-    from mecano.solve.time.run_state import Method, RunState
+from mecano.solve.time.consistent import Consistent
+from mecano.solve.time.run_state import Method, RunState
 
 Applied: TypeAlias = "tuple[RunState, State, list[EventRecord], Consistent | None]"
 """Run with the energy of shocks, state after the events, their records, what is factored there"""
@@ -32,7 +30,7 @@ MOST_NAMES = 8  # named in a warning
 class EventApplication:
     """Applies events to the run of ``system`` by ``method``; counts those that repeat at one instant."""
 
-    system: "System"
+    system: System
     method: "Method"
     monitor: EventMonitor
     capture: EventCapture
@@ -44,7 +42,7 @@ class EventApplication:
     instants: int = 0  # at which events were applied, since the program started
     happened: Counter = field(default_factory=Counter)  # the events at these instants, by element
 
-    def apply(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool = False) -> Applied:
+    def apply(self, run: RunState, s: State, hit: np.ndarray, at_once: bool = False) -> Applied:
         """Apply events ``hit`` at ``s``.
 
         Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
@@ -74,7 +72,7 @@ class EventApplication:
         energies = self.system.observe(s).energies
         return [float(energies[e, 1]) for e in elements]
 
-    def _exchange(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool) -> Applied:
+    def _exchange(self, run: RunState, s: State, hit: np.ndarray, at_once: bool) -> Applied:
         """Apply events ``hit`` at ``s`` with their shocks; return the same as ``apply``."""
         if not self.shocks.impact_candidates.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None

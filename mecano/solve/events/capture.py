@@ -11,17 +11,15 @@ winder it is the return mapping of plasticity: the elastic line first, its winde
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.immutable import mutable
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.events.events import EventMonitor, EventRecord
-    from mecano.solve.time.run_state import RunState
-    from mecano.solve.time.step_info import Trial
+from mecano.model.state import State
+from mecano.solve.events.events import EventMonitor, EventRecord
+from mecano.solve.time.run_state import RunState
+from mecano.solve.time.step_info import Trial
 
 
 @mutable
@@ -33,7 +31,7 @@ class EventCapture:
     ``monitor`` omits their values.
     """
 
-    monitor: "EventMonitor"
+    monitor: EventMonitor
     most: int
     excess: int = 0  # of instants over steps
     counted: int = 0  # steps of the run up to the last instant
@@ -41,7 +39,7 @@ class EventCapture:
     steps: int = 0  # that captured events
     by_element: Counter = field(default_factory=Counter)  # captured events
 
-    def count(self, hit: np.ndarray, run: "RunState") -> None:
+    def count(self, hit: np.ndarray, run: RunState) -> None:
         """Count the instant at the end of ``run`` if elastic events are among ``hit`` (n_events,) bool."""
         if self.monitor.captures or not np.any(hit & self.monitor.elastic):
             return
@@ -50,7 +48,7 @@ class EventCapture:
         if self.excess > self.most:
             self.begin(hit, run)
 
-    def begin(self, hit: np.ndarray, run: "RunState") -> bool:
+    def begin(self, hit: np.ndarray, run: RunState) -> bool:
         """Begin to capture events at the end of ``run``; return whether any ``hit`` (n_events,) was located before."""
         begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
         if begins:
@@ -58,14 +56,14 @@ class EventCapture:
             self.first = min(self.first, run.motion.t)
         return begins
 
-    def accepted(self, event_records: "Sequence[EventRecord]", whole: bool) -> None:
+    def accepted(self, event_records: Sequence[EventRecord], whole: bool) -> None:
         """Note the events captured in an accepted step; end the capture if there are none in a ``whole`` step."""
         self.steps += bool(event_records)
         self.by_element.update(event.element for event in event_records)
         if whole and not event_records:
             self.monitor.captures = False
 
-    def step(self, step: "Callable[[State], Trial]", s: "State") -> "Trial | None":
+    def step(self, step: "Callable[[State], Trial]", s: State) -> "Trial | None":
         """Return the trial ``step(s)`` in the phases that fit its end, or None if none are found.
 
         Its info has the events captured. An element has each event at most once, so the repetitions end; if an event is

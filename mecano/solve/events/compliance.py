@@ -7,7 +7,7 @@ projector P on the reactions that the position constraints could balance. See do
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -17,12 +17,10 @@ from mecano.maths.distinct import distinct
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL, TRANSLATION
+from mecano.model.state import State
+from mecano.model.system import System
+from mecano.solve.diagnostics.mobility import Analysis
 from mecano.solve.linear.rounding import TINY
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.diagnostics.mobility import Analysis
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 ROUNDED, SOFTEST = 1e3, 1e-9  # SOFTNESS is at least so many times the rounding of positions, but no more than this
@@ -213,10 +211,10 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
 
 
 def compliance(
-    system: "System",
-    s: "State",
+    system: System,
+    s: State,
     length: float,
-    analysis: "Analysis",
+    analysis: Analysis,
     end: float | None = None,
     step: float | None = None,
     before: Compliance | None = None,
@@ -252,7 +250,7 @@ def compliance(
     return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, none, True, *own)
 
 
-def softness(system: "System", s: "State", length: float) -> float:
+def softness(system: System, s: State, length: float) -> float:
     """Return SOFTNESS, or, far from the origin, ROUNDED times the rounding of positions over the length scale."""
     reach = np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0) / length
     return min(max(SOFTNESS, ROUNDED * EPSILON * float(reach)), SOFTEST)

@@ -1,16 +1,13 @@
 """Events: detect them in a step, and apply the change of phase."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.jit.entry import Vector, entry
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.time.signals import solve_signals
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 EQUAL = 1e-6  # relative to the value at the beginning of the step: values that differ by less are equal
 
@@ -32,7 +29,7 @@ class EventRecord:
 class EventMonitor:
     """Event functions of a system, and the phase changes they cause."""
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         self.system, self._batches = system, [batch for batch in system.batches if batch.kind.events]
         events = [e for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array([e.before == e.after for e in events], bool)
@@ -63,7 +60,7 @@ class EventMonitor:
         """Return whether all events ``hit`` (n_events,) bool are conditions, such as switches of signals."""
         return int(np.sum(hit)) == int(np.sum(hit[self.conditions]))
 
-    def ended(self, s: "State") -> bool:
+    def ended(self, s: State) -> bool:
         """Return whether an event that ends the run has happened before or at ``s``."""
         return any(bool((s.phases[of] == phase).any()) for of, phase in self.final)
 
@@ -80,7 +77,7 @@ class EventMonitor:
             }
         return found
 
-    def values(self, s: "State") -> np.ndarray:
+    def values(self, s: State) -> np.ndarray:
         """Return the event values (n_events,) of all elements; -inf for events not active in the current phase.
 
         Elastic events are omitted while they are captured (capture.py).
@@ -88,7 +85,7 @@ class EventMonitor:
         values = self.system.event_values(s)
         return np.where(self.elastic, -np.inf, values) if self.captures else values
 
-    def captured(self, s: "State") -> np.ndarray:
+    def captured(self, s: State) -> np.ndarray:
         """Return the elastic events (n_events,) bool that have happened at ``s``."""
         return self.elastic & (self.system.event_values(s) > 0.0)
 
@@ -109,7 +106,7 @@ class EventMonitor:
             of_batch |= near & (np.where(near, g - level, -np.inf) >= -EQUAL * np.abs(g0))
         return hit
 
-    def apply(self, s: "State", hit: np.ndarray) -> "tuple[State, list[EventRecord]]":
+    def apply(self, s: State, hit: np.ndarray) -> tuple[State, list[EventRecord]]:
         """Apply the events ``hit`` (n_events,) bool; return (state with new phases, [EventRecord])."""
         phases, event_records = s.phases.copy(), []
         for batch in self._batches:
@@ -121,7 +118,7 @@ class EventMonitor:
         self.system.follow(phases)
         return replace(s, phases=phases), event_records
 
-    def entered(self, s: "State", element: str, name: str, before: str, after: str) -> "State":
+    def entered(self, s: State, element: str, name: str, before: str, after: str) -> State:
         """Return the state after the event ``name`` of an ``element``, if the element is in the phase before it."""
         phases = s.phases.copy()
         for batch in self._batches:
@@ -132,7 +129,7 @@ class EventMonitor:
         self.system.follow(phases)
         return replace(s, phases=phases)
 
-    def settle(self, s: "State", least: float | np.ndarray = 0.0) -> "State":
+    def settle(self, s: State, least: float | np.ndarray = 0.0) -> State:
         """Return the initial state with its phases consistent with the event values; these changes are not recorded.
 
         Events whose values do not exceed ``least``, a number or (n_events,), do not happen.
@@ -145,7 +142,7 @@ class EventMonitor:
             s, _ = self.apply(s, hit)
         return s
 
-    def due(self, s: "State") -> np.ndarray:
+    def due(self, s: State) -> np.ndarray:
         """Return the lasting conditions (n_events,) bool met at ``s``, with the switches that follow from it."""
         if not self.lasting.any():
             return self.lasting
@@ -165,7 +162,7 @@ class Searching(EventMonitor):
     The reactions of the motion, on which they may depend, are not known yet.
     """
 
-    def values(self, s: "State") -> np.ndarray:
+    def values(self, s: State) -> np.ndarray:
         """Return the event values (n_events,), of lasting conditions -inf."""
         return np.where(self.lasting, -np.inf, super().values(s))
 
@@ -173,7 +170,7 @@ class Searching(EventMonitor):
 class NoEvents(EventMonitor):
     """Monitor that detects no events: elements keep their phases."""
 
-    def values(self, s: "State") -> np.ndarray:
+    def values(self, s: State) -> np.ndarray:
         """Return -inf (n_events,) for all events."""
         return np.full_like(super().values(s), -np.inf)
 

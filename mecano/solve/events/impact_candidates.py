@@ -2,16 +2,13 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.element_interface import CONTACT, LOCK, Event, Row
 from mecano.immutable import immutable
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
+from mecano.model.state import State
+from mecano.model.system import System
 
 
 @immutable
@@ -110,7 +107,7 @@ class ImpactCandidates:
         places, closed = self._closed
         return self._reopening.where(phases[places] == closed)
 
-    def in_phase(self, s: "State", candidates: Iterable[ImpactCandidate], which: str) -> "State":
+    def in_phase(self, s: State, candidates: Iterable[ImpactCandidate], which: str) -> State:
         """Return ``s`` with the elements of some candidates, and their parts, in their phase ``which``."""
         phases = s.phases.copy()
         for candidate in candidates:

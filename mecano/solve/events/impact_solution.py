@@ -10,26 +10,22 @@ Bilateral constraints cost one factorization; contacts add the dense matrix of t
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.immutable import immutable
 from mecano.maths.root import root
+from mecano.model.state import State
+from mecano.solve.diagnostics.mobility import Group
 from mecano.solve.events.complementarity import solve_complementarity
+from mecano.solve.events.compliance import Compliance
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidate
 from mecano.solve.events.impact_friction import rough_contacts, solve_with_friction
 from mecano.solve.events.restitution import restitutions
-from mecano.solve.events.shocks import STILL
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.diagnostics.mobility import Group
-    from mecano.solve.events.compliance import Compliance
-    from mecano.solve.events.shocks import Shocks
-    from mecano.solve.time.consistent import Consistent
+from mecano.solve.events.shocks import STILL, Shocks
+from mecano.solve.time.consistent import Consistent
 
 MASSLESS = 1e-14  # of the largest response: a contact with a smaller one moves no mass
 LEVER = 1e-12  # of the largest entry of a gradient: a smaller lever arm is rounding error
@@ -40,14 +36,14 @@ ADHESIVE = 1e-9  # of the largest impulse: one below minus this is adhesive
 class Shock:
     """Result of an impact: velocities and phases after it, events, energy lost and given [J]."""
 
-    state: "State"
+    state: State
     event_records: list[EventRecord]
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
-    consistent: "Consistent"  # at this state
-    compliance: "Compliance | None"  # of redundant constraints after the impact, or None
-    redundant: "tuple[Group, ...]"  # of constraints that have become redundant
+    consistent: Consistent  # at this state
+    compliance: Compliance | None  # of redundant constraints after the impact, or None
+    redundant: tuple[Group, ...]  # of constraints that have become redundant
 
 
 class ImpactSolution:
@@ -59,12 +55,12 @@ class ImpactSolution:
 
     def __init__(
         self,
-        shocks: "Shocks",
-        held: "State",
-        all_held: "State",
+        shocks: Shocks,
+        held: State,
+        all_held: State,
         uncoupled: Sequence[ImpactCandidate],
         fast: Sequence[ImpactCandidate],
-        compliance: "Compliance | None",
+        compliance: Compliance | None,
         h: float,
     ):
         self.shocks, self.system, self.e = shocks, shocks.system, np.zeros(len(uncoupled))
@@ -189,7 +185,7 @@ class ImpactSolution:
 
     def shock(
         self,
-        s: "State",
+        s: State,
         closing: list[ImpactCandidate],
         resting: list[ImpactCandidate],
         event_records: Sequence[EventRecord],

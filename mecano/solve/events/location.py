@@ -6,18 +6,16 @@ from which the motion departs at the beginning of a step is sought later in that
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from mecano.maths.root import chandrupatla
+from mecano.model.state import State
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.time.step_info import Trial
+from mecano.solve.time.step_info import Trial
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 SMOOTH_TOLERANCE = 1e-8  # the same if velocities do not jump: the relative error of the force is of this order
@@ -51,14 +49,14 @@ class Point(NamedTuple):
 
     h: float
     value: float
-    state: "State"
+    state: State
     trial: "Trial | None" = None
 
 
 def locate(
     monitor: EventMonitor,
     step: "Callable[[float], Trial]",
-    s0: "State",
+    s0: State,
     g0: np.ndarray,
     trial: "Trial",
     h: float,
@@ -102,7 +100,7 @@ def locate(
     return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
 
 
-def look_ahead(monitor: EventMonitor, s: "State", g: np.ndarray, h: float) -> "tuple[State, np.ndarray]":
+def look_ahead(monitor: EventMonitor, s: State, g: np.ndarray, h: float) -> tuple[State, np.ndarray]:
     """Return a state just after the beginning ``s`` of a step of size h, and its event values; ``g``: those at ``s``.
 
     At a located event, rounding decides the sign of the event value. Elastic events are therefore evaluated after the

@@ -11,18 +11,14 @@ The values of conditions are signals, whose rates are known at the beginning of 
 solved for, which compiled code cannot do: it leaves a step to Python in which a condition heads for zero.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.jit.entry import Indices, Matrix, entry
 from mecano.jit.kernel import kernel
+from mecano.model.state import State
+from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.interpolate import interpolate
 from mecano.solve.time.signals import solve_signals
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.events.events import EventMonitor
 
 SHARE = 1e-3  # of the step: distance of the places between which rates are differences
 START, END, AFTER_START, BEFORE_END = range(4)  # places at which event values are taken
@@ -76,9 +72,7 @@ def may_peak(events: Indices, values: Matrix) -> bool:
     return False
 
 
-def passed(
-    monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1: np.ndarray, error: float
-) -> "State | None":
+def passed(monitor: EventMonitor, s0: State, g0: np.ndarray, s1: State, g1: np.ndarray, error: float) -> State | None:
     """Return a state between ``s0`` and ``s1``, the ends of a step, at which an event has happened, or None.
 
     ``g0``, ``g1`` (n_events,): event values there. Events are those sought within steps: brief ones and conditions. An

@@ -1,23 +1,19 @@
 """Constraints that are redundant in some phases only: detect them after a change of phase, assign compliances."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.errors import AssemblyError
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.mobility import Group, analyse, gradient
 from mecano.solve.events.compliance import Compliance, compliance
+from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.consistent import Consistent
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.linear.sparse import LinearSolver
 
 
 def reanalyse_redundancy(
-    system: "System", linear: "LinearSolver", s: "State", soft: Compliance | None, length: float, h: float
+    system: System, linear: LinearSolver, s: State, soft: Compliance | None, length: float, h: float
 ) -> tuple[Consistent, Compliance | None, tuple[Group, ...]]:
     """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 

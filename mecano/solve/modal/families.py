@@ -8,17 +8,13 @@ without inertia the squared displacements are compared instead, with rotations t
 may have any unit, are ignored; a mode of signals alone, such as the pole of a filter, counts as deformation.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.model.numbering import ROTATION, SIGNAL, TRANSLATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.linear.rounding import TINY
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.modal.linearize import Linearization
+from mecano.solve.modal.linearize import Linearization
 
 FAMILIES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw", "deformation")
 SLOW = 1e-6  # of the largest velocity: a smaller mean velocity counts as zero
@@ -26,7 +22,7 @@ STILL = 1e-13  # of the largest component: displacements of a mode of signals al
 MASSLESS = 1e-12  # of the largest inertia, times the square of the displacement
 
 
-def running_axes(system: "System", s: "State") -> np.ndarray:
+def running_axes(system: System, s: State) -> np.ndarray:
     """Return the unit vectors longitudinal, lateral, vertical as rows (3, 3), inertial."""
     gravity, of = system.context.gravity, system.numbering
     size = np.linalg.norm(gravity)
@@ -43,7 +39,7 @@ def running_axes(system: "System", s: "State") -> np.ndarray:
     return np.array([forward, np.cross(up, forward), up])
 
 
-def families(lin: "Linearization", kind: np.ndarray, axes: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+def families(lin: Linearization, kind: np.ndarray, axes: np.ndarray, shapes: np.ndarray) -> np.ndarray:
     """Return the indices (m,) into FAMILIES of the ``shapes`` (m, n_q) of a Linearization.
 
     ``kind`` (n_q,) as in numbering.py, ``axes`` (3, 3) by rows.

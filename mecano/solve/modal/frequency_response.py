@@ -12,16 +12,13 @@ gives the responses to all inputs.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.solve.linear.rounding import TINY
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.linearize import Linearization
+from mecano.solve.modal.linearize import Linearization
 
 ROUNDS = 4  # of the balance of rows and columns
 ROUNDED = 1e-14  # of the largest unknown, in balanced units: a smaller response counts as zero
@@ -32,12 +29,12 @@ REFINED = 2  # rounds of iterative refinement
 class Plant:
     """A Linearization with inputs and outputs, as polynomials of s."""
 
-    lin: "Linearization"
+    lin: Linearization
     inputs: Sequence[np.ndarray]  # Q0, Q1, Q2, each (n, m)
     outputs: Sequence[sp.csr_matrix]  # R0, R1, R2, each (p, n)
-    late: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
+    late: Sequence[tuple[int, int, Callable[[complex], complex]]] = ()
     """(row, column, f) of signals that read earlier values: -f(s) is their entry"""
-    late_inputs: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
+    late_inputs: Sequence[tuple[int, int, Callable[[complex], complex]]] = ()
     """(row, input, f) of signals that read earlier values of an input: f(s) is its force"""
 
 

@@ -11,17 +11,14 @@ half-plane (Nyquist 1932).
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
 
 from mecano.solve.modal.encirclements import encirclements
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
+from mecano.solve.modal.linearize import Linearization
 from mecano.solve.modal.modes import DENSE, solve, unstable
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.linearize import Linearization
 
 SLOWEST = 1e-3  # of the lowest frequency: radius of the contour around zero
 FASTEST = 1e4  # of the highest frequency: end of the contour
@@ -51,7 +48,7 @@ def growing_poles(plant: Plant, low: float, high: float) -> int | None:
     return None if turns is None else number + turns
 
 
-def without_late(plant: Plant) -> "Linearization":
+def without_late(plant: Plant) -> Linearization:
     """Return the Linearization in which the signals that read earlier values are constant."""
     late = {(row, column) for row, column, _ in plant.late}
     parts = []

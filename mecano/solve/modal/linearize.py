@@ -23,23 +23,21 @@ relative to the frame: a top that only spins, a wheel that rolls straight (w = 0
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
 
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3, skew
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import NO_STIFFNESS
+from mecano.solve.events.compliance import Compliance
 from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.events.compliance import Compliance
 
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding errors, as of a drive at its turning point
@@ -48,7 +46,7 @@ RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding errors, as 
 class Assemble(Protocol):
     """Assembles a model as ``System.assemble`` does, or under other loads."""
 
-    def __call__(self, s: "State", *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> "Assembly":
+    def __call__(self, s: State, *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> Assembly:
         """Return residual and tangent cK K + cC C + cM M at the state ``s``."""
 
 
@@ -71,12 +69,12 @@ class Linearization:
 
 
 def linearize(
-    system: "System",
-    s: "State",
+    system: System,
+    s: State,
     length: float,
     frame: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0),
-    assemble: "Assemble | None" = None,
-    compliance: "Compliance | None" = None,
+    assemble: Assemble | None = None,
+    compliance: Compliance | None = None,
 ) -> Linearization:
     """Return the Linearization of ``system`` at ``s`` with its velocities, accelerations and multipliers.
 
@@ -121,7 +119,7 @@ def _border(K, n_q):
     return sp.csr_matrix((K.data[kept], (K.row[kept], K.col[kept])), K.shape)
 
 
-def by_motions(system: "System", s: "State", w: np.ndarray) -> tuple[sp.csr_matrix, ...]:
+def by_motions(system: System, s: State, w: np.ndarray) -> tuple[sp.csr_matrix, ...]:
     """Return the derivatives of the material unknowns by the motions y, y', y'' in axes that turn with ``w`` (3,).
 
     They are sparse (n, n), by rows of unknowns: displacements and material rotations by y, velocities by y,

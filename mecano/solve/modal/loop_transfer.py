@@ -13,7 +13,6 @@ of L from -1. (Franklin, Powell & Emami-Naeini, Feedback Control of Dynamic Syst
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,9 +21,7 @@ from scipy.sparse.csgraph import connected_components
 from mecano.maths.root import root
 from mecano.solve.modal.frequency_grid import Sampled, peaks, refine
 from mecano.solve.modal.frequency_response import Plant
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.linearize import Linearization
+from mecano.solve.modal.linearize import Linearization
 
 ON_AXIS = 1e-9  # rad: distance of the phase from -180 deg that is rounding
 LOCATED = 1e-13  # of the logarithm of a frequency
@@ -76,7 +73,7 @@ def _unread(A, column, rows):
     return A.tocsr()
 
 
-def in_loops(lin: "Linearization", late: Iterable[tuple[int, int, Callable[[complex], complex]]]) -> np.ndarray:
+def in_loops(lin: Linearization, late: Iterable[tuple[int, int, Callable[[complex], complex]]]) -> np.ndarray:
     """Return the number (n,) of the loop in which each unknown is: unknowns of one loop depend on one another."""
     pattern = sum((abs(A) for A in (lin.M, lin.C)), abs(lin.K)).tolil()
     for row, column, _ in late:

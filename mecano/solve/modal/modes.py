@@ -7,20 +7,18 @@ checked by its residual in the equations above, relative to the magnitudes of th
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import overload
 
 import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.solve.linear.rounding import TINY
+from mecano.solve.modal.linearize import Linearization
 from mecano.solve.modal.modes_dense import dense, unstrained
 from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.refined_mode import refined, without_strain
 from mecano.solve.modal.separated_basis import separated_basis
 from mecano.solve.modal.small_motions import SmallMotions
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.linearize import Linearization
 
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
@@ -97,7 +95,7 @@ def damping(values: complex | np.ndarray) -> np.ndarray:
     return -np.real(values) / np.where(size > 0.0, size, np.nan)
 
 
-def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> Modes:
+def solve(lin: Linearization, number: int = 10, method: str = "automatic") -> Modes:
     """Return the ``number`` Modes of lowest natural frequency of a Linearization, and all computed unstable ones.
 
     A growing mode among them is followed by the decaying one of the same modulus.
@@ -116,7 +114,7 @@ def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> 
     return _nearest_to_zero(scaled, lin, number, found)
 
 
-def poles_up_to(lin: "Linearization", omega: float) -> np.ndarray:
+def poles_up_to(lin: Linearization, omega: float) -> np.ndarray:
     """Return the eigenvalues (m,) of a Linearization with moduli up to ``omega`` [1/s], one of each conjugate pair.
 
     For a large model at most MOST eigenvalues, those nearest to zero, are computed. Raises ConvergenceError if ARPACK

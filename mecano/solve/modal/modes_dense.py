@@ -10,16 +10,13 @@ rates of motions without inertia follow from their damping, by QZ if that dampin
 """
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
 
 from mecano.solve.modal.balance import balance
+from mecano.solve.modal.small_motions import SmallMotions
 from mecano.solve.statics.stability import null_space
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.small_motions import SmallMotions
 
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: zero to rounding; zero in the test of a singular matrix
@@ -33,7 +30,7 @@ ROUNDED_REACTION = 1e-9  # of the largest entry of B: work of reactions that is 
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
-def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
+def dense(scaled: SmallMotions) -> tuple[np.ndarray, np.ndarray, str]:
     """Return all eigenvalues and shapes: (values (m,), shapes (m, n_q), name of the method)."""
     kept, (M, C, K), follow = _without_signals(scaled)
     B, E, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.E[:, kept], scaled.F[:, kept], scaled.D[kept]))
@@ -128,7 +125,7 @@ def _with_signals(kept, by, values, shapes):
     return whole
 
 
-def unstrained(scaled: "SmallMotions") -> np.ndarray:
+def unstrained(scaled: SmallMotions) -> np.ndarray:
     """Return independent shapes (m, n_q) without forces of stiffness, up to rounding, but with inertia or damping.
 
     They are as many as the motions without stiffness. ``dense`` may find fewer: where stiff forces cancel, rounding

@@ -8,8 +8,6 @@ is regular. A symmetric undamped problem is solved by Lanczos' method, any other
 whose eigenvalues are :math:`1/(\lambda - \sigma)`.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
@@ -19,9 +17,7 @@ from mecano.errors import ConvergenceError
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.linear.symbolic_analysis import Pattern
 from mecano.solve.modal.modes_dense import dense
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.small_motions import SmallMotions
+from mecano.solve.modal.small_motions import SmallMotions
 
 CANCELLED = 1e-12  # relative pivot below which a larger shift is tried
 FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved by dense matrices
@@ -32,7 +28,7 @@ RESTARTS = 40  # of Arnoldi's method: separate eigenvalues need one or two; thos
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
-def sparse(scaled: "SmallMotions", number: int) -> tuple[np.ndarray, np.ndarray, str]:
+def sparse(scaled: SmallMotions, number: int) -> tuple[np.ndarray, np.ndarray, str]:
     """Return the eigenvalues nearest to a small shift: (values (m,), shapes (m, n_q), name of the method)."""
     mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:

@@ -12,16 +12,13 @@ ARPACK finds eigenvalues 1/(lambda - shift) to the rounding of the largest one. 
 inverse of the shift, the eigenvalue of its free motions, and modes of higher frequency are left with few digits.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mecano.solve.modal.small_motions import SmallMotions
+from mecano.solve.modal.small_motions import SmallMotions
 
 STEPS = 3  # each squares the error
 ENOUGH = 1e-9  # residual that is not refined further
@@ -30,7 +27,7 @@ SLOW = 1e-2  # of the lowest frequency: rate at which free motions are separated
 REGULARIZED = 1e-13  # of the stiffness: compliance of constraints, of which some may be redundant
 
 
-def refined(scaled: "SmallMotions", value: complex, y: np.ndarray) -> tuple[complex, np.ndarray]:
+def refined(scaled: SmallMotions, value: complex, y: np.ndarray) -> tuple[complex, np.ndarray]:
     """Return a mode (eigenvalue, shape (n_q,)) with a smaller residual than that of the given one, or the given one."""
     M, C, _ = scaled.full
     n_q, start, x = scaled.n_q, value, np.concatenate([y, np.zeros(M.shape[0] - scaled.n_q)])
@@ -49,7 +46,7 @@ def refined(scaled: "SmallMotions", value: complex, y: np.ndarray) -> tuple[comp
     return best[1:]
 
 
-def without_strain(scaled: "SmallMotions", shapes: np.ndarray, lowest: float) -> np.ndarray:
+def without_strain(scaled: SmallMotions, shapes: np.ndarray, lowest: float) -> np.ndarray:
     """Return the shapes (m, n_q) of free motions without parts that strain the model, below the frequency ``lowest``.
 
     (K + s^2 M)^-1 s^2 M leaves motions without stiffness as they are, and multiplies others by about (s/omega)^2.
@@ -62,7 +59,7 @@ def without_strain(scaled: "SmallMotions", shapes: np.ndarray, lowest: float) ->
     return np.array([solved(rate**2 * (M @ x) + rate * (scaled.full[1] @ x))[:n_q] for x in padded])
 
 
-def _solver(scaled: "SmallMotions", value: complex) -> "Callable[[np.ndarray], np.ndarray] | None":
+def _solver(scaled: SmallMotions, value: complex) -> Callable[[np.ndarray], np.ndarray] | None:
     """Return the solution function of the bordered K + value C + value^2 M; None if it is singular."""
     M, C, K = scaled.full
     rest = K.shape[0] - scaled.n_q

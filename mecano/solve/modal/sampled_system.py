@@ -14,7 +14,6 @@ one of them has a modulus above 1. (Franklin, Powell & Workman, Digital Control 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -23,10 +22,8 @@ import scipy.sparse as sp
 from mecano.errors import UsageError
 from mecano.solve.modal.frequency_response import Plant
 from mecano.solve.modal.late_feedback import without_late
+from mecano.solve.modal.linearize import Linearization
 from mecano.solve.modal.state_space import state_space
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.linearize import Linearization
 
 LARGEST = 400  # motions up to which dense matrices are computed
 MOST = 1000  # sampling times in a common period
@@ -47,7 +44,7 @@ class Sampler:
 class SampledSystem:
     """The closed loop of a Linearization and its ``samplers``, which all sample at the same first time."""
 
-    def __init__(self, lin: "Linearization", samplers: Sequence[Sampler]):
+    def __init__(self, lin: Linearization, samplers: Sequence[Sampler]):
         self.samplers = tuple(samplers)
         self.pace = lin.pace
         self._unit, self._counts = _common(self.samplers)
@@ -129,7 +126,7 @@ class DiscreteLoop:
         return np.array([[self._row @ la.solve_triangular(A, self._column, check_finite=False)]])
 
 
-def sampled_system(lin: "Linearization", samplers: Sequence[Sampler]) -> SampledSystem | str:
+def sampled_system(lin: Linearization, samplers: Sequence[Sampler]) -> SampledSystem | str:
     """Return the SampledSystem of a Linearization, or why there is none, as text."""
     if lin.n_q > LARGEST:
         return f"the model has more than {LARGEST} motions"

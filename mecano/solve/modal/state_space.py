@@ -14,7 +14,6 @@ the inputs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -22,11 +21,8 @@ import scipy.sparse as sp
 
 from mecano.errors import UsageError
 from mecano.solve.diagnostics.scales import NO_STIFFNESS
-from mecano.solve.modal.frequency_response import scale_unread
+from mecano.solve.modal.frequency_response import Plant, scale_unread
 from mecano.solve.statics.stability import null_space
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.frequency_response import Plant
 
 SINGULAR = 1e-11  # of the largest singular value: smaller ones count as zero
 IMPROPER = 1e-5  # of the terms of a transfer function: a smaller factor of the rate of an input is neglected
@@ -91,7 +87,7 @@ class _Reduced:
     rate: float
 
 
-def state_space(plant: "Plant") -> StateSpace:
+def state_space(plant: Plant) -> StateSpace:
     """Return the StateSpace of a Plant without delays.
 
     Raises ImproperError, and UsageError if the equations have no unique solution.
@@ -290,7 +286,7 @@ def _split(A):
     return order[:rank], order[rank:], V
 
 
-def _without_rates(one: _Descriptor) -> "tuple[np.ndarray, np.ndarray, np.ndarray, list[np.ndarray], np.ndarray]":
+def _without_rates(one: _Descriptor) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[np.ndarray], np.ndarray]:
     """Return (A, B, N, X, unknowns), as in _Reduced, of a _Descriptor with a regular E."""
     A, B = np.linalg.solve(one.E, one.A), [np.linalg.solve(one.E, b) for b in one.B]
     X = [*one.X, *(np.zeros_like(one.X[0]) for _ in range(len(B) - len(one.X)))]

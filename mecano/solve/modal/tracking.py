@@ -5,16 +5,13 @@ Both eigenvalues of a conjugate pair are tracked, so that pairs can split into r
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from mecano.solve.linear.rounding import TINY
-from mecano.solve.modal.modes import damping, unstable
-
-if TYPE_CHECKING:
-    from mecano.solve.modal.modes import Modes
+from mecano.solve.modal.modes import Modes, damping, unstable
 
 SHAPE = 0.5  # weight of a change of shape relative to a change of eigenvalue
 
@@ -36,7 +33,7 @@ class Spectrum:
 
     @classmethod
     def of(
-        cls, found: "Modes", root: np.ndarray, pace: float = 0.0, families: np.ndarray | None = None,
+        cls, found: Modes, root: np.ndarray, pace: float = 0.0, families: np.ndarray | None = None,
         whirl: np.ndarray | None = None, speed: float = 0.0,
     ) -> Self:  # fmt: skip
         """Return the Spectrum of Modes, which contain one of each conjugate pair.

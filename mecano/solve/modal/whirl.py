@@ -14,7 +14,6 @@ combinations of extreme whirl are used.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -22,14 +21,12 @@ import scipy.linalg as la
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
 from mecano.maths.root import root
 from mecano.maths.vector import skew
+from mecano.model.numbering import Numbering
 from mecano.solve.linear.rounding import TINY
 from mecano.solve.modal.critical import Trace, branch_end
-
-if TYPE_CHECKING:
-    from mecano.model.numbering import Numbering
-    from mecano.solve.modal.linearize import Linearization
-    from mecano.solve.modal.modes import Modes
-    from mecano.solve.modal.tracking import Spectrum
+from mecano.solve.modal.linearize import Linearization
+from mecano.solve.modal.modes import Modes
+from mecano.solve.modal.tracking import Spectrum
 
 EQUAL = 1e-7  # of an eigenvalue: difference of equal ones
 JUMPED = 1e-6  # of the eigenvalue: difference from a multiple of the speed, where branches were confused
@@ -48,7 +45,7 @@ class Resonance:
     whirl: float
 
 
-def whirling(found: "Modes", lin: "Linearization", of: "Numbering", omega: np.ndarray) -> "tuple[Modes, np.ndarray]":
+def whirling(found: Modes, lin: Linearization, of: Numbering, omega: np.ndarray) -> tuple[Modes, np.ndarray]:
     """Return (Modes with shapes of extreme whirl, whirl (m,), nan if the rotor is at rest).
 
     ``found``: Modes of the Linearization ``lin``; ``of``: Numbering; ``omega`` (3,) [rad/s]: angular velocity.
@@ -101,10 +98,10 @@ def _parts(of, e, shapes):
 
 def resonances(
     rows: np.ndarray,
-    spectra: "Sequence[Spectrum | None]",
+    spectra: Sequence[Spectrum | None],
     places: np.ndarray,
     orders: Sequence[float],
-    spectrum_at: "Callable[[float], Spectrum]",
+    spectrum_at: Callable[[float], Spectrum],
 ) -> tuple[list[Resonance], list[tuple[int, float, float, float]]]:
     """Return (Resonances by ascending order and place, and (branch, order, low, high) of those not refined).
 

@@ -8,18 +8,15 @@ corner of the path.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import ConvergenceError, Failure
+from mecano.model.state import State
 from mecano.solve.linear.iteration import SINGULAR, Iterated
 from mecano.solve.statics.arc_step import MET, Arc, rate_of
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
 from mecano.solve.statics.stability import freedom_text
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
 
 WANTED = 5  # desired number of iterations of a step
 LONGEST = 5.0  # largest step, relative to the first one
@@ -37,11 +34,11 @@ class Target:
     origin: np.ndarray  # (3,) [m]
     value: float  # [m]
 
-    def displacement(self, s: "State") -> float:
+    def displacement(self, s: State) -> float:
         """Return the displacement [m] of the node at the state ``s``."""
         return float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
 
-    def gap(self, s: "State") -> float:
+    def gap(self, s: State) -> float:
         """Return the displacement beyond the value, relative to the value."""
         return self.displacement(s) / self.value - 1.0
 

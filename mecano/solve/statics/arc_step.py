@@ -14,20 +14,17 @@ ends there, and the path continues to the side on which closed contacts push and
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import Failure
 from mecano.maths.root import root
+from mecano.model.state import State
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.continuation import Point
 from mecano.solve.statics.loading import LoadFactor
 from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Statics, Status
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
 
 SHARPEST = 0.5  # least cosine between successive tangents of the path
 LOST = 1e-14  # of the terms of the rate along the tangent: a smaller sum is rounding
@@ -39,7 +36,7 @@ AHEAD = 1e-3  # of a step: distance from a corner at which its two sides are com
 class Trial:
     """The end of a step of length ``ds``, converged or not."""
 
-    state: "State"
+    state: State
     mu: float  # load factor
     ds: float
     found: Status
@@ -48,13 +45,13 @@ class Trial:
     crossed: int | None = None  # first event that occurred within it
 
 
-def slope_of(statics: Statics, s: "State", mu: float) -> np.ndarray:
+def slope_of(statics: Statics, s: State, mu: float) -> np.ndarray:
     """Return the derivative (n,) of the residual by the load factor."""
     assert isinstance(statics.loading, LoadFactor), "only a load factor is an unknown of a path"
     return statics.loading.slope(s, mu)
 
 
-def rate_of(statics: Statics, s: "State", mu: float) -> np.ndarray | None:
+def rate_of(statics: Statics, s: State, mu: float) -> np.ndarray | None:
     """Return the derivatives (n,) of displacements and multipliers by the load factor, or None if singular."""
     k, penalty = statics.scales(s)
     slope = slope_of(statics, s, mu)
@@ -136,11 +133,11 @@ class Arc:
         now, then = (self.statics.monitor.values(state) for state in (s, ahead))
         return bool(np.any(then > np.maximum(now, 0.0)))
 
-    def _predicted(self, point: "Point", ds: float) -> "State":
+    def _predicted(self, point: Point, ds: float) -> State:
         """Return the state at the length ds along the tangent of the last ``point``."""
         return self._ahead(point.state, ds * self.tangent[-1], self.rate)
 
-    def _ahead(self, s0: "State", more: float, rate: np.ndarray) -> "State":
+    def _ahead(self, s0: State, more: float, rate: np.ndarray) -> State:
         """Extrapolate ``s0`` by its ``rate`` to a load factor increased by ``more``."""
         s = self.statics.begin(s0)
         k, _ = self.statics.scales(s)
@@ -173,7 +170,7 @@ class Arc:
         trial.tangent = tangent if self._product(tangent, self.tangent) >= 0.0 else -tangent
         return trial
 
-    def _correct(self, point: Point, s: "State", ds: float, mu: float | None = None) -> "tuple[State, float, Iterated]":
+    def _correct(self, point: Point, s: State, ds: float, mu: float | None = None) -> tuple[State, float, Iterated]:
         """Iterate by Newton's method in the plane of the step, changing ``s`` in place: (s, load factor, Iterated)."""
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         mu = point.parameter + ds * self.tangent[-1] if mu is None else mu

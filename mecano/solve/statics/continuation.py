@@ -9,20 +9,18 @@ Every method goes from ``Point`` to ``Point``:
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from mecano.errors import ConvergenceError, Failure, NonFiniteError, name_list
+from mecano.model.assembly import Observation
+from mecano.model.state import State
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
+from mecano.solve.events.events import EventRecord
 from mecano.solve.statics.stability import Stability, StabilityTest, freedom_text, motion_text
 from mecano.solve.statics.static import Statics, Status
 from mecano.solve.time.increments import largest
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Observation
-    from mecano.model.state import State
-    from mecano.solve.events.events import EventRecord
 
 Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
@@ -38,7 +36,7 @@ LEAP, NOTICEABLE = 4.0, 0.02  # a jump exceeds this multiple of the predicted ch
 class Point:
     """An equilibrium on a path; ``place`` increases along it: the parameter or the arc length."""
 
-    state: "State"  # at rest
+    state: State  # at rest
     parameter: float  # load factor, or time [s]
     place: float
     step: float  # from the last point
@@ -46,8 +44,8 @@ class Point:
     rejected: int
     norms: tuple[float, ...]
     stability: Stability
-    observation: "Observation"  # of the state
-    event_records: "tuple[EventRecord, ...]" = ()
+    observation: Observation  # of the state
+    event_records: tuple[EventRecord, ...] = ()
 
 
 @dataclass
@@ -56,7 +54,7 @@ class Follower:
 
     statics: Statics
     observers: Sequence[Observer] = ()
-    ended: "Callable[[State, Observation], str]" = lambda state, observation: ""
+    ended: Callable[[State, Observation], str] = lambda state, observation: ""
     """text on an element that ends the run at an equilibrium, "" if none"""
     stability_test: StabilityTest = field(init=False)
     losses: list[str] = field(default_factory=list)  # points at which stability was lost
@@ -70,14 +68,14 @@ class Follower:
             statics.system, statics.length, statics.compliance is not None, statics.linear.analysis
         )
 
-    def stability(self, s: "State", p: float, drag: float = 0.0) -> Stability:
+    def stability(self, s: State, p: float, drag: float = 0.0) -> Stability:
         """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
         return self.stability_test(self.statics.assembly.data, drag)
 
     def accept(
         self,
-        s: "State",
+        s: State,
         p: float,
         place: float,
         step: float,
@@ -101,12 +99,12 @@ class Follower:
         self.refuse(s, p, observation)
         return point
 
-    def observe(self, s: "State", p: float) -> "Observation":
+    def observe(self, s: State, p: float) -> Observation:
         """Return the Observation of an equilibrium at the parameter p."""
         self.statics.evaluate(s, p, 1.0, 0.0, False)
         return self.statics.system.observe(s, self.statics.assembly.forces)
 
-    def refuse(self, s: "State", p: float, observation: "Observation") -> None:
+    def refuse(self, s: State, p: float, observation: Observation) -> None:
         """Raise ConvergenceError if an element cannot continue from the equilibrium ``s`` at the parameter p."""
         if text := self.ended(s, observation):
             raise ConvergenceError(
@@ -136,7 +134,7 @@ class Follower:
         motion = motion_text(self.statics.system, point.state, point.stability.shape, self.statics.length)
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
 
-    def find(self, s0: "State", p: float) -> "tuple[State, Status]":
+    def find(self, s0: State, p: float) -> tuple[State, Status]:
         """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
         neutral = self.last is not None and self.last.stability.neutral > 0
@@ -182,7 +180,7 @@ class Follower:
         k, _ = self.statics.scales(self.statics.begin(s))
         return max(self.statics.evaluate(self.statics.begin(s), p, k, 0.0, False)) <= 1.0
 
-    def start(self, s: "State", p: float) -> Point:
+    def start(self, s: State, p: float) -> Point:
         """Return the first Point, at the parameter p: ``s`` or an equilibrium near it. Raises ConvergenceError."""
         begun = self.statics.begin(s)
         k, _ = self.statics.scales(begun)
@@ -195,7 +193,7 @@ class Follower:
         return self.accept(s, p, p, 0.0, found)
 
     def failure(
-        self, p: float, found: Status, last: "State", last_p: float, hint: str = ""
+        self, p: float, found: Status, last: State, last_p: float, hint: str = ""
     ) -> ConvergenceError | NonFiniteError:
         """Return the error for a failed search after ``last``: place, cause, free motion, worst equations."""
         statics, system = self.statics, self.statics.system

@@ -9,15 +9,11 @@ it may contain no unknown. The state is idle if also :math:`\bar r_i = 0`, and k
 there is no equilibrium.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import SIGNAL
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.system import System
+from mecano.model.system import System
 
 ROUNDED = 1e-12  # of the largest entry of a row: smaller ones are rounding errors of the elimination
 
@@ -25,7 +21,7 @@ ROUNDED = 1e-12  # of the largest entry of a row: smaller ones are rounding erro
 class IdleStates:
     """Find the states of a system that have no equation at rest."""
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         self.system, self.states = system, np.flatnonzero(system.states)
         self.formulas = np.flatnonzero(system.numbering.kind[: system.n_q] == SIGNAL)
         both = np.concatenate([self.states, self.formulas])
@@ -34,7 +30,7 @@ class IdleStates:
         self._entries = np.flatnonzero(self._row[system.rows] >= 0)
         self._of_state = [np.flatnonzero(system.rows == i) for i in self.states]
 
-    def keep(self, assembly: "Assembly") -> None:
+    def keep(self, assembly: Assembly) -> None:
         """Replace the equations of idle states in the tangent by ones on the diagonal: they keep their values."""
         if not len(self.states):
             return
@@ -44,7 +40,7 @@ class IdleStates:
             assembly.data[self.system.diagonal[i]] = 1.0
             assembly.residual[i] = 0.0
 
-    def growing(self, assembly: "Assembly") -> list[str]:
+    def growing(self, assembly: Assembly) -> list[str]:
         """Return the names of states that grow, whatever the other unknowns are."""
         if not len(self.states):
             return []

@@ -11,14 +11,13 @@ otherwise the imbalance without loads is removed in proportion. Gravity is scale
 frame that falls with :math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
 """
 
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.state import State
-    from mecano.model.system import System
+from mecano.model.assembly import Assembly
+from mecano.model.state import State
+from mecano.model.system import System
 
 Loading: TypeAlias = "LoadFactor | Clock"
 ROUNDING = 1e-9  # of the largest force: a smaller imbalance counts as zero
@@ -35,7 +34,7 @@ class LoadFactor:
     name, unit, hint = "load factor", "", ""
     beyond = "method: arc_length past a limit point; method: relaxation, which lets a mechanism fall into place"
 
-    def __init__(self, system: "System", start: "State"):
+    def __init__(self, system: System, start: State):
         """Take ``start`` as the configuration whose imbalance without loads is removed along the path."""
         self.system = system
         self.gravity = np.zeros(system.numbering.n_all)
@@ -52,13 +51,13 @@ class LoadFactor:
 
     def assemble(
         self,
-        s: "State",
+        s: State,
         mu: float,
         k: float = 1.0,
         penalty: float = 0.0,
-        into: "Assembly | None" = None,
+        into: Assembly | None = None,
         **weights: Any,
-    ) -> "Assembly":
+    ) -> Assembly:
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity.
 
         ``weights`` are cK, cC, cM and T of ``System.assemble``.
@@ -72,7 +71,7 @@ class LoadFactor:
                 assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
         return assembly
 
-    def slope(self, s: "State", mu: float) -> np.ndarray:
+    def slope(self, s: State, mu: float) -> np.ndarray:
         """Return the derivative (n,) of the residual by the load factor; at the corner mu = 1, the one to the right."""
         more, here = (self.assemble(s, factor).residual for factor in (2.0, 1.0))
         slope = more - here
@@ -86,13 +85,13 @@ class Clock:
     name, unit, hint = "t", " s", ""
     beyond = "a run (time: in place of static:, with initial: static and some damping), in which it jumps"
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         self.system = system
 
     def assemble(
-        self, s: "State", t: float, k: float = 1.0, penalty: float = 0.0, into: "Assembly | None" = None,
+        self, s: State, t: float, k: float = 1.0, penalty: float = 0.0, into: Assembly | None = None,
         **weights: Any,
-    ) -> "Assembly":  # fmt: skip
+    ) -> Assembly:  # fmt: skip
         """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0

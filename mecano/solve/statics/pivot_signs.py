@@ -1,7 +1,5 @@
 """Stability of equilibria of large models, by the signs of the pivots of the bordered tangent (stability.py)."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
@@ -9,10 +7,8 @@ import scipy.sparse.linalg as spla
 from mecano.model.numbering import ANGLE_CONSTRAINT
 from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
+from mecano.solve.linear.symbolic_analysis import Analysis
 from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Stability, StabilityTest, scaled
-
-if TYPE_CHECKING:
-    from mecano.solve.linear.symbolic_analysis import Analysis
 
 NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
 SHIFT = 1e-9  # of the mean stiffness: by which that of all directions is raised to find the softest
@@ -22,7 +18,7 @@ FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 class PivotSigns:
     """Count negative pivots of the tangents of one system, and find its softest motion by inverse iteration."""
 
-    def __init__(self, test: StabilityTest, analysis: "Analysis | None"):
+    def __init__(self, test: StabilityTest, analysis: Analysis | None):
         """Analyse the pattern of the tangent, unless the ``analysis`` of its LinearSolver is given."""
         self.stability_test, self.system = test, test.system
         self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=analysis)

@@ -10,21 +10,19 @@ enough.
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
 from mecano.errors import ConvergenceError
+from mecano.model.state import State
 from mecano.solve.diagnostics.failure import acting_clause
+from mecano.solve.events.events import EventRecord
 from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
 from mecano.solve.statics.stability import Stability, freedom_text, motion_text
+from mecano.solve.statics.static import Status
 from mecano.solve.time.increments import displaced, reach_of
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.events.events import EventRecord
-    from mecano.solve.statics.static import Status
 
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # displacement in the first step and in any step, in length scales or rad
 MOST_CREEPS = 400  # largest number of steps
@@ -42,7 +40,7 @@ class Work:
 
     iterations: int = 0
     rejected: int = 0
-    event_records: "list[EventRecord]" = field(default_factory=list)
+    event_records: list[EventRecord] = field(default_factory=list)
 
 
 @dataclass
@@ -62,7 +60,7 @@ class Relaxation:
         """Return (Point in stable equilibrium, reason of the end). Raises ConvergenceError, NonFiniteError."""
         return self.find(follower, point.state), "an equilibrium was reached"
 
-    def find(self, follower: Follower, s: "State") -> Point:
+    def find(self, follower: Follower, s: State) -> Point:
         """Return the Point in stable equilibrium to which the state ``s`` creeps. Raises as ``follow`` does."""
         work = Work()
         s, found, stability = self._equilibrium(follower, s, work)
@@ -74,8 +72,8 @@ class Relaxation:
         return self._accepted(follower, s, found, work)
 
     def _below(
-        self, follower: Follower, s: "State", found: "Status", stability: Stability, work: Work
-    ) -> "tuple[State, Status, Stability]":
+        self, follower: Follower, s: State, found: Status, stability: Stability, work: Work
+    ) -> tuple[State, Status, Stability]:
         """Return (State, Status, Stability) of an equilibrium next to the unstable one ``s``."""
         if stability.shape is None:
             self._refuse(follower, s, found, stability, work, "its unstable motion is unknown")
@@ -87,7 +85,7 @@ class Relaxation:
                 reasons.append(str(error).partition("\n")[0])
         self._refuse(follower, s, found, stability, work, "; ".join(dict.fromkeys(reasons)))
 
-    def _sides(self, follower: Follower, s: "State", shape: np.ndarray, stiffness: float) -> "list[State]":
+    def _sides(self, follower: Follower, s: State, shape: np.ndarray, stiffness: float) -> list[State]:
         """Return the states on both sides of the unstable equilibrium ``s``; first the one that creeps farther.
 
         ``shape`` (n_q,) is its softest motion, ``stiffness`` [N/m] that along it.
@@ -100,8 +98,8 @@ class Relaxation:
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
 
     def _equilibrium(
-        self, follower: Follower, s: "State", work: Work, downhill: bool = False
-    ) -> "tuple[State, Status, Stability]":
+        self, follower: Follower, s: State, work: Work, downhill: bool = False
+    ) -> tuple[State, Status, Stability]:
         """Return (State, Status, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: avoid saddles."""
         s = self._creep(follower, s, work, downhill)
         found_s, found = follower.find(s, self.end)
@@ -111,7 +109,7 @@ class Relaxation:
         follower.refuse(found_s, self.end, follower.observe(found_s, self.end))
         return found_s, found, follower.stability(found_s, self.end)
 
-    def _creep(self, follower: Follower, s: "State", work: Work, downhill: bool) -> "State":
+    def _creep(self, follower: Follower, s: State, work: Work, downhill: bool) -> State:
         """Return the state after creep, with forces balanced to their tolerance or, in stiff members, to rounding."""
         statics, drag, last = follower.statics, None, None
         for _ in range(MOST_CREEPS):
@@ -161,7 +159,7 @@ class Relaxation:
         force = statics.assembly.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
         return size, max(float(np.abs(force).max(initial=0.0)), TINY)
 
-    def _accepted(self, follower: Follower, s: "State", found: "Status", work: Work) -> Point:
+    def _accepted(self, follower: Follower, s: State, found: Status, work: Work) -> Point:
         found.iterations += work.iterations
         found.event_records = tuple(work.event_records)
         return follower.accept(s, self.end, self.end, self.end, found, work.rejected)
@@ -174,7 +172,7 @@ class Relaxation:
         return f"an unstable equilibrium was found and left on the way{motion}"
 
     def _refuse(
-        self, follower: Follower, s: "State", found: "Status", stability: Stability, work: Work, why: str
+        self, follower: Follower, s: State, found: Status, stability: Stability, work: Work, why: str
     ) -> NoReturn:
         """Raise ConvergenceError for a search that ended at the unstable equilibrium ``s``, which becomes a Point."""
         statics, system = follower.statics, follower.statics.system

@@ -7,7 +7,7 @@ A *drag* D makes a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,21 +15,19 @@ from mecano.element_interface import BY_COMMAND
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import SMALL, Limits, Scales, Tolerances, balance, norms
 from mecano.solve.events.compliance import Compliance, soften
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.linear.iteration import SINGULAR, Exhausted, Iterated, iterate
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
+from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.statics.idle_states import IdleStates
+from mecano.solve.statics.loading import Loading
 from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, Held, VelocityConstraints
 from mecano.solve.time.increments import Weights, correct, largest, reach_of, tangents
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.linear.sparse import LinearSolver
-    from mecano.solve.statics.loading import Loading
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
@@ -64,8 +62,8 @@ class Statics:
 
     def __init__(
         self,
-        system: "System",
-        linear: "LinearSolver",
+        system: System,
+        linear: LinearSolver,
         loading: "Loading",
         length: float,
         tolerances: Tolerances = TOLERANCES,
@@ -89,7 +87,7 @@ class Statics:
         self._angles = _prescribed_angles(system)
         self._past = np.zeros(0, int) if past else system.places_of_past
 
-    def scales(self, s: "State") -> tuple[float, float]:
+    def scales(self, s: State) -> tuple[float, float]:
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
         mean = balance(self.system, s, self.length, 1.0, 0.0, 0.0, self.assembly)
         k = self.given_k or mean
@@ -99,7 +97,7 @@ class Statics:
         self.compliance.set_step(1.0, mean)
         return k, min(penalty, self.compliance.largest_penalty(mean))
 
-    def begin(self, s0: "State") -> "State":
+    def begin(self, s0: State) -> State:
         """Return a copy of ``s0`` at rest with zero rotation increments."""
         s = s0.copy()
         s.z[self._rotations] = 0.0
@@ -107,7 +105,7 @@ class Statics:
         return s
 
     def evaluate(
-        self, s: "State", p: float, k: float, penalty: float, tangent: bool, step: "Step | None" = None
+        self, s: State, p: float, k: float, penalty: float, tangent: bool, step: "Step | None" = None
     ) -> tuple[float, float]:
         """Assemble residual (and tangent) at the parameter p; return the norms over their tolerances.
 
@@ -130,11 +128,11 @@ class Statics:
                 self.compliance.soften_tangent(k, assembly.data)
         return self.norms(s, k)
 
-    def step(self, s0: "State", phases: np.ndarray) -> Step:
+    def step(self, s0: State, phases: np.ndarray) -> Step:
         """Return the beginning ``s0`` of a step, and its Held for elements in these ``phases`` (n_elements,)."""
         return s0, self.rolling.at(replace(s0, phases=phases))
 
-    def norms(self, s: "State", k: float) -> tuple[float, float]:
+    def norms(self, s: State, k: float) -> tuple[float, float]:
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         of, to = self.system.numbering, self.tolerances
         # there is no step size with which rounding errors become large forces: states that only they move are at rest
@@ -142,7 +140,7 @@ class Statics:
         scales = Scales(self.length, k, k, 1.0, 0.0)
         return norms(self.assembly.residual, self.assembly.size, of, s, scales, limits)[:2]
 
-    def exhausted(self, s: "State") -> Exhausted:
+    def exhausted(self, s: State) -> Exhausted:
         """Return the function with which Newton's method decides if its corrections of ``s`` are at rounding."""
         of, limit = self.system.numbering, self.tolerances.increment
 
@@ -151,7 +149,7 @@ class Statics:
 
         return is_exhausted
 
-    def move(self, s: "State", s0: "State", dz: np.ndarray, k: float) -> float:
+    def move(self, s: State, s0: State, dz: np.ndarray, k: float) -> float:
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
         system, of = self.system, self.system.numbering
         largest = correct(of, self.length, -dz, Weights(k, 0.0, 0.0, 0.0), s0, s)
@@ -163,7 +161,7 @@ class Statics:
         """Return the solution (n,) with the assembled tangent and right-hand side b, or None if singular."""
         return self._increment if self.linear.solve(self.assembly.data, b, self._increment).ok else None
 
-    def correct(self, s0: "State", p: float, drag: float = 0.0) -> "tuple[State, Status]":
+    def correct(self, s0: State, p: float, drag: float = 0.0) -> tuple[State, Status]:
         """Return (state, Status) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
 
         Elements whose event values cross zero change their phase, and the search continues from there. A wheel that
@@ -193,7 +191,7 @@ class Statics:
             message, failure = SINGULAR, Failure.SINGULAR
         return s, Status(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
-    def correct_singular(self, s0: "State", p: float) -> "tuple[State, Status]":
+    def correct_singular(self, s0: State, p: float) -> tuple[State, Status]:
         """Return (state, Status) of an equilibrium near ``s0`` with a singular tangent, by steps with negligible drag.
 
         It exists if no force acts along the free motions. Forces that fade along a path may make these motions slightly
@@ -224,7 +222,7 @@ class Statics:
         text = "the tangent is singular, and forces act along a free motion"
         return s, Status(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
-    def _newton(self, guess: "State", s0: "State", p: float, drag: float) -> "tuple[State, Status]":
+    def _newton(self, guess: State, s0: State, p: float, drag: float) -> tuple[State, Status]:
         """Iterate from ``guess``: (state, Status); rotation increments, drag and rolling are relative to ``s0``."""
         system, assembly, n, n_q = self.system, self.assembly, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
@@ -254,7 +252,7 @@ class Statics:
         first = steps[0] * self.tolerances.increment if steps else np.inf
         return s, self.status_of(result, s, s0, first)
 
-    def status_of(self, result: Iterated, s: "State", s0: "State", first: float = np.inf) -> Status:
+    def status_of(self, result: Iterated, s: State, s0: State, first: float = np.inf) -> Status:
         """Return the Status of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
         of = self.system.numbering
         change = largest(self.displacement(s, s0), of.kind, of.n_q, self.length)
@@ -271,13 +269,13 @@ class Statics:
         """Return the prescribed angles [rad] at the time of ``s``; rotations do not contain their whole turns."""
         return self.system.observe(s).outputs[self._angles] if len(self._angles) else self._angles
 
-    def displacement(self, s: "State", s0: "State") -> np.ndarray:
+    def displacement(self, s: State, s0: State) -> np.ndarray:
         """Return the displacements (n_q,) from ``s0``, to which the rotation increments of ``s`` are relative."""
         moved = s.z[: self.system.n_q] - s0.z[: self.system.n_q]
         moved[self._rotations] = s.z[self._rotations]
         return moved
 
-    def polish(self, s: "State", p: float) -> "State":
+    def polish(self, s: State, p: float) -> State:
         """Return the equilibrium ``s`` after further iterations, as long as they reduce the residual."""
         best, s0 = s, s
         k, penalty = self.scales(self.begin(s))
@@ -294,12 +292,12 @@ class Statics:
             least, best = size, trial.copy()
         return best
 
-    def committed(self, s: "State") -> "State":
+    def committed(self, s: State) -> State:
         """Commit the memories of ``s`` in place, as of an accepted point, and return it."""
         s.memory = self.system.commit(s)
         return self.without_past(s)
 
-    def without_past(self, s: "State") -> "State":
+    def without_past(self, s: State) -> State:
         """Remove earlier inputs of signals from ``s`` in place, unless the path has a past, and return it."""
         s.memory[self._past] = 0.0
         return s

@@ -5,22 +5,18 @@ reactions :math:`-W \Lambda`. Where I + W has a real eigenvalue that is not posi
 do not exist, or are not unique (Painleve, Comptes rendus 121 (1895) 112-115).
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.errors import AssemblyError
+from mecano.model.state import State
 from mecano.solve.diagnostics.failure import friction_binds
 from mecano.solve.time.consistent import Consistent
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.time.run_state import Method
+from mecano.solve.time.run_state import Method
 
 REAL = 1e-9  # of an eigenvalue: a smaller imaginary part is rounding
 
 
-def refuse_binding(method: "Method", s: "State") -> None:
+def refuse_binding(method: "Method", s: State) -> None:
     """Raise ConvergenceError if the friction of a joint or contact binds at the state ``s``."""
     system = method.system
     if not len(system.coupled_multipliers):

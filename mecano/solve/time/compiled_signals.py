@@ -5,8 +5,6 @@ that no decision depends on the units of the signals: for :math:`D^{-1} J D` eac
 What needs more, a loop that may be singular or values that are not finite, is left to signals.py.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.jit.entry import Records, entry
@@ -19,14 +17,11 @@ from mecano.model.assembly_driver import assemble, assemble_residual, residual_l
 from mecano.model.batch import Batch
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.numbering import Unknowns
-from mecano.model.state import Instant
+from mecano.model.state import Instant, State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import move
 from mecano.solve.time.signals import TOLERANCE
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 # Numbers and addresses; ``own``: the unknowns of the n signals; ``places`` (n_entries,) in J of entries of the tangent
 SIGNALS = fields(
@@ -208,7 +203,7 @@ def ahead(q, s, dt, which):
 class CompiledSignals(Pointers):
     """The equations of the signals of a system, and the record SIGNALS that holds the addresses of their arrays."""
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         super().__init__(SIGNALS)
         of, own, self.assembly = system.numbering, np.flatnonzero(system.signals), Assembly(system)
         n, n_rotations, place = len(own), len(of.rotation_dof), np.full(system.n, -1)
@@ -226,7 +221,7 @@ class CompiledSignals(Pointers):
         residual, tangent = (system.loops(purpose, Batch.has_signals) for purpose in (loops.residual, loops.tangent))
         self.point_to_loops(residual=residual, tangent=tangent)
 
-    def settle(self, s: "State", dt: float) -> bool:
+    def settle(self, s: State, dt: float) -> bool:
         """Set the signals of ``s`` in place as ``signals.settle_signals``; return whether that was possible.
 
         Otherwise ``s`` is not changed.

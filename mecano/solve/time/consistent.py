@@ -9,25 +9,21 @@ the ``penalty_share`` and the factors of the system, makes it regular for nodes 
 zero unless constraints are redundant.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import SCALAR
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.failure import not_finite
+from mecano.solve.events.compliance import Compliance
+from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.constrained_mass import ConstrainedMass
+from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import displaced
 from mecano.solve.time.massless_scalars import DIFFERENCE, MasslessScalars
 from mecano.solve.time.signals import settle_signals
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.events.compliance import Compliance
-    from mecano.solve.linear.sparse import LinearSolver
-    from mecano.solve.time.contradictions import Contradictions
 
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of a diagonal, after elimination: a constraint that repeats others
@@ -39,11 +35,11 @@ class Consistent:
 
     def __init__(
         self,
-        system: "System",
-        linear: "LinearSolver",
-        s: "State",
+        system: System,
+        linear: LinearSolver,
+        s: State,
         length: float,
-        compliance: "Compliance | None",
+        compliance: Compliance | None,
     ):
         """Factor at the positions of ``s`` (its a and multipliers are not used), of a mechanism of the ``length`` [m].
 
@@ -142,11 +138,11 @@ class Consistent:
             out = out + self.k * self._sharing(none, sign * self.k * yielding)[self.system.n_q :]
         return out
 
-    def project_velocity(self, s: "State") -> None:
+    def project_velocity(self, s: State) -> None:
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
         s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
 
-    def settle(self, s: "State", h: float) -> None:
+    def settle(self, s: State, h: float) -> None:
         """Set signals, and values and rates of massless unknowns, of ``s`` in place, consistent for steps of size h."""
         if self.system.signals.any():
             settle_signals(self.system, s, DIFFERENCE * h)
@@ -154,7 +150,7 @@ class Consistent:
             self.bare.z[signals] = s.z[signals]
         self.massless.settle(s, h)
 
-    def accelerate(self, s: "State") -> None:
+    def accelerate(self, s: State) -> None:
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
@@ -195,7 +191,7 @@ class Consistent:
                 break
         self._factor()
 
-    def friction_on_itself(self, s: "State") -> np.ndarray:
+    def friction_on_itself(self, s: State) -> np.ndarray:
         """Return W (m, m): changes of the coupled multipliers at ``s`` by the friction that unit multipliers cause.
 
         The reactions keep the constraints; without friction the change is zero.
@@ -228,14 +224,14 @@ class Consistent:
         data[: system.nnz][row | column] = np.where(column | (system.cols >= n_q), values, 0.0)[row | column]
         return residual
 
-    def apply_compliance(self, s: "State", compliance: "Compliance") -> "State":
+    def apply_compliance(self, s: State, compliance: Compliance) -> State:
         """Return ``s`` with positions moved by the deflection of the compliances under its reactions."""
         n_q, n = self.system.n_q, self.system.n
         gap = self.system.constraint_derivatives(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
-    def without_compliance(self, s: "State") -> "State":
+    def without_compliance(self, s: State) -> State:
         """Return ``s`` with positions and velocities that satisfy compliant constraints as exactly as all others.
 
         A joint that locks in this state is free of stress. In the deflected state it would keep the deflection and, in
@@ -249,14 +245,14 @@ class Consistent:
 
 
 def consistent_state(
-    system: "System",
-    linear: "LinearSolver",
-    s: "State",
+    system: System,
+    linear: LinearSolver,
+    s: State,
     h: float,
-    contradictions: "Contradictions",
-    compliance: "Compliance | None",
+    contradictions: Contradictions,
+    compliance: Compliance | None,
     consistent: Consistent | None,
-) -> "tuple[State, Consistent]":
+) -> tuple[State, Consistent]:
     """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.
 
     ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.

@@ -5,8 +5,6 @@ r"""The mass matrix under constraints, in compiled code: the matrix of consisten
 with the mean k of the masses. It belongs to a *bare* state, without accelerations and multipliers.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.jit.entry import Records, entry
@@ -30,13 +28,11 @@ from mecano.model.loops import residual as of_residuals
 from mecano.model.loops import tangent as of_tangents
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR
 from mecano.model.state import Instant, State
+from mecano.model.system import System
 from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliance_fields
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.rounding import TINY
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
-
-if TYPE_CHECKING:
-    from mecano.model.system import System
 
 # Numbers and addresses; flags of the unknowns: ``signals``, ``massless`` (by their kinds), ``loose`` (at the state)
 MASS = fields(
@@ -266,7 +262,7 @@ def share(m, reactions, violated, a):
 class ConstrainedMass(Pointers):
     """The arrays of the matrix of a system, and the record MASS that holds their addresses."""
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         super().__init__(MASS)
         of, self.assembly, self._compliance = system.numbering, Assembly(system), None
         self.point_to(

@@ -8,19 +8,17 @@ the change of the kinetic energy: :math:`M (v_1 - v_0) = B^T p` and :math:`B v =
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.time.run_state import Method
+from mecano.model.state import State
+from mecano.model.system import System
+from mecano.solve.time.run_state import Method
 
 LEAST = 1e-6  # of the larger rate: a smaller change between two adjacent times is not a jump
 
 
-def work_of_jumps(system: "System", method: "Method", s: "State", behind: "State", h: float) -> float:
+def work_of_jumps(system: System, method: "Method", s: State, behind: State, h: float) -> float:
     """Return the work [J] of prescribed motions whose velocities jump between ``s`` and ``behind``, just after it."""
     if not system.n_l:
         return 0.0

@@ -1,21 +1,18 @@
 """Assembly of initial positions, or an error that names constraints that cannot be satisfied."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.joint_redundancy import contradicting
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import Searching
+from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.increments import displaced
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.linear.sparse import LinearSolver
 
 MAX_ITERATIONS = 50
 TOLERANCE = 1e-12  # of the length scale, or rad
@@ -24,7 +21,7 @@ REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration mak
 MOST_NAMES = 5  # constraints named in a refusal
 
 
-def assemble_start(system: "System", linear: "LinearSolver", s: "State", length: float) -> "tuple[State, float]":
+def assemble_start(system: System, linear: LinearSolver, s: State, length: float) -> tuple[State, float]:
     """Assemble positions, and again if the phases that follow, such as closed contacts, are not satisfied."""
     found, moved = assemble_positions(system, linear, s, length)
     if not system.n_events:
@@ -36,7 +33,7 @@ def assemble_start(system: "System", linear: "LinearSolver", s: "State", length:
     return found, moved + again
 
 
-def assemble_positions(system: "System", linear: "LinearSolver", s: "State", length: float) -> "tuple[State, float]":
+def assemble_positions(system: System, linear: LinearSolver, s: State, length: float) -> tuple[State, float]:
     """Move ``s`` to the nearest positions that satisfy all constraints; return (state, largest move [m, rad]).
 
     Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
@@ -99,7 +96,7 @@ def _refusal(system, start, s, iterations, length):
     )
 
 
-def most_off(system: "System", s: "State", length: float) -> str:
+def most_off(system: System, s: State, length: float) -> str:
     """Return as text the constraint of a system with constraints that is violated most at ``s``, and by how much."""
     phi, error = _violations(system, s, length)
     first = int(np.argmax(error))

@@ -1,16 +1,13 @@
 """Scalars without inertia, such as deflections of tyres and pressures: values and rates from their own equations."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.model.assembly import Assembly
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.time.increments import moved
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
 RATE_ITERATIONS = 100
@@ -28,10 +25,10 @@ ROUNDING = 1e-12  # of the largest value or rate: an iteration on them has conve
 class MasslessScalars:
     """Scalars of a system without inertia, with the indices ``own`` (n,), and their equations."""
 
-    def __init__(self, system: "System", own: np.ndarray):
+    def __init__(self, system: System, own: np.ndarray):
         self.system, self.own, self._assembly = system, own, system.kept(Assembly)
 
-    def settle(self, s: "State", h: float) -> None:
+    def settle(self, s: State, h: float) -> None:
         """Set values and rates of these unknowns of ``s`` in place, consistent for steps of size h.
 
         Rates follow from their own equations. In directions whose time constants, the eigenvalues of K^-1 C, are far

@@ -11,8 +11,6 @@ of K and M shift the limit to another frequency.
 step_change.py filters at the beginning of a step; this module filters at its end, with a factor of its own.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.jit.kernel import kernel
@@ -20,13 +18,11 @@ from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
 from mecano.model.assembly_driver import assemble_lagging, tangent_loops
 from mecano.model.loop_records import SYSTEM
+from mecano.model.system import System
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
 from mecano.solve.time.workspace import TRIAL, in_own_axes, state_of
-
-if TYPE_CHECKING:
-    from mecano.model.system import System
 
 NO_LAG = 1e-20  # of constraints on velocities: nothing, but for the own entries of those that are inactive
 HARDER = 1e-4  # times the compliances of the step: still far above rounding
@@ -111,7 +107,7 @@ def negative_pivots(w, f):
     return number
 
 
-def filter_fields(system: "System", linear: LinearSolver) -> tuple[dict[str, int], tuple[object, ...]]:
+def filter_fields(system: System, linear: LinearSolver) -> tuple[dict[str, int], tuple[object, ...]]:
     """Return the values of the fields FLOATS and WORDS for a system, and the objects that own the arrays.
 
     The factor is that of a twin of the LinearSolver ``linear``, which keeps its own.

@@ -9,20 +9,24 @@ follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
 
 import time as clock
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from mecano.errors import Failure
-from mecano.model.assembly import Assembly
+from mecano.model.assembly import Assembly, Observation
 from mecano.model.numbering import MASSLESS
 from mecano.model.state import RadauHistory, State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import Tolerances, balance
-from mecano.solve.events.compliance import compliances_of_a_step
+from mecano.solve.events.compliance import Compliance, compliances_of_a_step
+from mecano.solve.events.shocks import Shocks
 from mecano.solve.linear.newton import CONVERGED, FAILURES, MESSAGES, PAUSE
+from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import displaced, largest
+from mecano.solve.time.output import Output
 from mecano.solve.time.radau_output import interpolate_stages, sample_stages
 from mecano.solve.time.radau_step import attempt
 from mecano.solve.time.radau_steps import RadauSteps
@@ -32,16 +36,8 @@ from mecano.solve.time.radau_workspace import RadauWorkspace
 from mecano.solve.time.singular_position import LOST, ROUNDED, TAKE_PART, Amplification, cannot_pass
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
+from mecano.solve.time.stride_arrays import Recorder
 from mecano.solve.time.workspace import BEGIN, TRIAL, Workspace
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Observation
-    from mecano.model.system import System
-    from mecano.solve.events.compliance import Compliance
-    from mecano.solve.events.shocks import Shocks
-    from mecano.solve.linear.sparse import LinearSolver
-    from mecano.solve.time.output import Output
-    from mecano.solve.time.stride_arrays import Recorder
 
 
 class Radau:
@@ -55,13 +51,13 @@ class Radau:
 
     def __init__(
         self,
-        system: "System",
-        linear: "LinearSolver",
+        system: System,
+        linear: LinearSolver,
         length: float,
         control: StepControl,
         tolerances: Tolerances,
         k: float | None,
-        compliance: "Compliance | None",
+        compliance: Compliance | None,
     ):
         self.system, self.linear, self.length, self.control = system, linear, length, control
         self.tolerances, self.k, self.penalty = tolerances, k, 0.0
@@ -79,7 +75,7 @@ class Radau:
         self.workspace.point_to(length=self.length, duration=control.duration, most=self.tolerances.max_iterations)
         self.use(compliance)
 
-    def use(self, compliance: "Compliance | None") -> None:
+    def use(self, compliance: Compliance | None) -> None:
         """Set the compliances of redundant constraints; None for none."""
         self.compliance, system = compliance, self.system
         self.contradictions = Contradictions(system, self.length, compliance)
@@ -154,7 +150,7 @@ class Radau:
         self.stages.raise_error()
 
     def ordinary_steps(
-        self, control: StepControl, shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
+        self, control: StepControl, shocks: Shocks, observation: Observation, recorder: Recorder | None
     ) -> RadauSteps:
         """Return the RadauSteps of a time integration."""
         return RadauSteps(self, shocks, observation, recorder)
@@ -166,7 +162,7 @@ class Radau:
         """Return False, as ``use_compiled_restarts`` says."""
         return False
 
-    def use_output(self, output: "Output") -> None:
+    def use_output(self, output: Output) -> None:
         """Let the ``output`` of steps interpolate between the stages."""
         own = output.record, self.workspace.record, self.stages.record
         sample, within = (entry.call_from_compiled_code(*own) for entry in (sample_stages, interpolate_stages))

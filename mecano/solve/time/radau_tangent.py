@@ -12,21 +12,19 @@ s is an eigenvalue of the method over the step size: the stages decouple into on
 & Wanner 1996, IV.8).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, tangent_loops
+from mecano.model.system import System
 from mecano.solve.linear.newton import NOT_FINITE, SINGULAR, STALE
 from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.radau_stages import place
 from mecano.solve.time.radau_workspace import stage_of
 from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, copy_to_state, state_of, system_of
-
-if TYPE_CHECKING:
-    from mecano.model.system import System
 
 DIFFERENCE = 0.02  # of a step, for the rates of the gradients of the constraints
 MOTION, POSITION, RATE = range(3)  # equations of motion, constraints on positions, constraints on velocities
@@ -265,7 +263,7 @@ def solve_real(w, r, f):
     return b
 
 
-def tables_of(system: "System") -> dict[str, Any]:
+def tables_of(system: System) -> dict[str, Any]:
     """Return the tables of entries that the tangent needs: fields of RADAU."""
     kind = np.full(system.n, MOTION)
     kind[system.n_q :] = np.where(system.numbering.of_rates, RATE, POSITION)
@@ -298,7 +296,7 @@ def _sums(system):
     return sums, np.stack([system.cols[gradients], constraint, gradients], axis=1)
 
 
-def _turned(system: "System") -> np.ndarray:
+def _turned(system: System) -> np.ndarray:
     """Return (nnz, 4): in the row of an entry of a rotation, the entries of its two other columns; their unknowns.
 
     The first is -1 for an entry of another column.

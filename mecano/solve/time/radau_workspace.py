@@ -1,6 +1,7 @@
 """The arrays of one step of Radau IIA, in addition to the workspace, in the memory that compiled code works on."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from mecano.model.loop_records import Pointers, fields
 from mecano.model.loops import observe
 from mecano.model.numbering import ROTATION
 from mecano.model.state import Instant, RadauHistory, State
+from mecano.model.system import System
 from mecano.solve.linear.factors import Factors
 from mecano.solve.linear.symbolic_analysis import Pattern
 from mecano.solve.time.constrained_mass import ConstrainedMass
@@ -28,11 +30,6 @@ from mecano.solve.time.radau_tableau import (
     D,
 )
 from mecano.solve.time.workspace import BEGIN, state_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mecano.model.system import System
 
 # Numbers and addresses of a step; the lengths of the arrays are those of the workspace. ``last_...``: of the last step.
 RADAU = fields(
@@ -94,7 +91,7 @@ class RadauWorkspace(Pointers):
         Fields of RADAU that never change: numbers, and arrays in the place of their addresses.
     """
 
-    def __init__(self, system: "System", length: float, **fixed: Any):
+    def __init__(self, system: System, length: float, **fixed: Any):
         super().__init__(RADAU)
         of, n, n_q, n_l = system.numbering, system.n, system.n_q, system.n_l
         pattern = Pattern(n, system.rows, system.cols, of.group)
@@ -153,7 +150,7 @@ class RadauWorkspace(Pointers):
         z, v, a, R = (values[i].copy() for values in (self.z, self.v, self.a, self.R))
         return State(float(self.t[i]), z, v, a, R, s0.phases, s0.memory)
 
-    def put(self, stages: "Sequence[State]", observed: "Sequence[Observation]", work: np.ndarray) -> None:
+    def put(self, stages: Sequence[State], observed: Sequence[Observation], work: np.ndarray) -> None:
         """Enter the stages of a step before its end, with their Observations, and its work (3, 2)."""
         for i, (s, observation) in enumerate(zip(stages, observed, strict=True)):
             self.t[i], self.z[i], self.v[i], self.a[i], self.R[i] = s.t, s.z, s.v, s.a, s.R

@@ -4,8 +4,6 @@ As ``GeneralizedAlpha.start``, for models without released constraints, friction
 inertia besides signals: consistent velocities, signals, accelerations and multipliers, and a new history.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.jit.entry import Records, entry
@@ -15,7 +13,7 @@ from mecano.model.batch import Batch
 from mecano.model.loop_records import Pointers, fields
 from mecano.model.loops import commit
 from mecano.model.numbering import SCALAR, SIGNAL
-from mecano.model.state import Instant
+from mecano.model.state import History, Instant, State
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.compiled_signals import SIGNALS, CompiledSignals, settle_at_once
@@ -29,14 +27,11 @@ from mecano.solve.time.constrained_mass import (
     factor_mass,
 )
 from mecano.solve.time.contradictions import AT_START
+from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 from mecano.solve.time.increments import move
 from mecano.solve.time.massless_scalars import DIFFERENCE
 from mecano.solve.time.step import gap_of, largest_speeds
 from mecano.solve.time.workspace import BEGIN, STEP, TANGENT, TRIAL, copy_state, history_of, state_of, unknowns_of
-
-if TYPE_CHECKING:
-    from mecano.model.state import History, State
-    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 
 RESTART = fields(
     floats="h",
@@ -146,7 +141,7 @@ def begin_history(w, s, h, kind):
 class Restart(Pointers):
     """Restarts of a GeneralizedAlpha in compiled code."""
 
-    def __init__(self, method: "GeneralizedAlpha"):
+    def __init__(self, method: GeneralizedAlpha):
         super().__init__(RESTART)
         self.method, system, change_step = method, method.system, method.change_step
         self.mass, signals = system.kept(ConstrainedMass), system.kept(CompiledSignals)
@@ -172,7 +167,7 @@ class Restart(Pointers):
         self.point_to(n_soft=len(soft), soft=soft, along=along)
         return True
 
-    def start(self, s: "State", h: float) -> "tuple[State, History] | None":
+    def start(self, s: State, h: float) -> tuple[State, History] | None:
         """Return the same as ``GeneralizedAlpha.start``, or None if this is left to Python."""
         method, w = self.method, self.method.workspace
         if not self.prepare():

@@ -10,17 +10,13 @@ only if many trials are rejected, too, or if the motion has grown out of all bou
 with constant errors its steps would become ever shorter.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.errors import ConvergenceError
+from mecano.model.state import State
 from mecano.solve.time.increments import reach_of
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.solve.time.run_state import Method, RunState
-    from mecano.solve.time.step_control import StepControl
+from mecano.solve.time.run_state import Method, RunState
+from mecano.solve.time.step_control import StepControl
 
 NEAR = 4.0 * np.finfo(float).eps  # of the reach: share of a step that its rounding may exceed
 FAR = 1e6  # a reach that no model has
@@ -31,13 +27,13 @@ REJECTED = 0.2  # of them
 class RoundingLimit:
     """Monitor of the rejected trials of a run; ``refuse`` is called repeatedly with its RunState."""
 
-    def __init__(self, control: "StepControl", method: "Method"):
+    def __init__(self, control: StepControl, method: "Method"):
         self.control, self.method = control, method
         self._begun: tuple[int, int] | None = None  # accepted and rejected steps when rounding began to matter
         # reach of a motion that grows without bound
         self._most = FAR * max([1.0, *(np.abs(node.x).max() / method.length for node in method.system.nodes)])
 
-    def refuse(self, run: "RunState", cuts: int) -> None:
+    def refuse(self, run: RunState, cuts: int) -> None:
         """Raise ConvergenceError if the last trials were rejected because of rounding, or the motion left all bounds.
 
         ``cuts`` is the number of trials in the run that were rejected for other reasons.
@@ -77,6 +73,6 @@ class RoundingLimit:
         )
 
 
-def below_rounding(error: float, s: "State", method: "Method") -> bool:
+def below_rounding(error: float, s: State, method: "Method") -> bool:
     """Return whether an ``error``, relative to the length scale, is below the rounding error of ``s``."""
     return bool(error < NEAR * FAR and error < NEAR * reach_of(s.z, method.system.numbering, method.length))

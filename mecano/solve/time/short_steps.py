@@ -2,23 +2,20 @@
 
 from collections.abc import Iterator
 from math import floor, log10
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.solve.diagnostics.failure import acting_clause
+from mecano.solve.time.run_state import Method, RunState
+from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.workspace import TRIAL
-
-if TYPE_CHECKING:
-    from mecano.solve.time.run_state import Method, RunState
-    from mecano.solve.time.step_control import StepControl
 
 SHORT = 1e-3  # of the mean of the other steps: shorter ones are reported
 MANY = 0.1  # of all steps
 
 
-def changing_most(method: "Method", control: "StepControl") -> int:
+def changing_most(method: "Method", control: StepControl) -> int:
     """Return the index of the unknown with the largest error in the last step, as it counts; signals have none."""
     w, of, n_q = method.workspace, method.system.numbering, method.system.n_q
     change, kind = np.abs(w.history[TRIAL, :n_q] - w.carried[1, :n_q]), of.kind[:n_q]
@@ -38,11 +35,11 @@ class Decade:
 class ShortSteps:
     """Stretches of a run by ``method`` in which steps are short."""
 
-    def __init__(self, method: "Method", control: "StepControl"):
+    def __init__(self, method: "Method", control: StepControl):
         self.method, self.control = method, control
         self._decades: dict[int, Decade] = {}
 
-    def add(self, before: "RunState", run: "RunState") -> None:
+    def add(self, before: RunState, run: RunState) -> None:
         """Add the stretch from ``before`` to ``run``, where the workspace of the method has the last step."""
         steps, time = run.steps - before.steps, run.motion.t - before.motion.t
         size = floor(log10(max(time, np.finfo(float).tiny) / steps))
@@ -51,7 +48,7 @@ class ShortSteps:
         i = changing_most(self.method, self.control)
         decade.limiting[i] = decade.limiting.get(i, 0) + 1
 
-    def warnings(self, run: "RunState") -> Iterator[str]:
+    def warnings(self, run: RunState) -> Iterator[str]:
         """Yield a warning if many of the steps of ``run`` are much shorter than the others."""
         for size in sorted(self._decades, reverse=True):
             short = [decade for key, decade in self._decades.items() if key <= size]

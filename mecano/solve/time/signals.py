@@ -2,18 +2,15 @@
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.model.assembly import Assembly
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import displaced, moved
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals
@@ -26,7 +23,7 @@ PART = 1e-6  # of the largest entry of a singular vector: signals that take part
 ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
 
 
-def settle_signals(system: "System", s: "State", dt: float) -> None:
+def settle_signals(system: System, s: State, dt: float) -> None:
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
     Newton's method finds the values of signals without a state, and the rates of those with one. Rates of the former
@@ -65,7 +62,7 @@ def _find_rates(equations, s, dt):
     s.a[states] = (4.0 * first.v - 3.0 * s.v - second.v)[states] / (2.0 * dt)
 
 
-def solve_signals(system: "System", s: "State") -> "State":
+def solve_signals(system: System, s: State) -> State:
     """Solve the equations of the signals of ``s`` in place, if it has any that can be solved; return ``s``.
 
     A signal whose value is not finite is solved later, when the signals that it reads are known: all are zero at first,
@@ -109,7 +106,7 @@ class _Equations:
     The assembly is overwritten at every state.
     """
 
-    def __init__(self, system: "System"):
+    def __init__(self, system: System):
         self.system, self.own = system, np.flatnonzero(system.signals)
         place = np.full(system.n, -1)
         place[self.own] = np.arange(len(self.own))
@@ -119,7 +116,7 @@ class _Equations:
         self._assembly = Assembly(system)
         self._decomposed: _Decomposition | None = None
 
-    def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
+    def at(self, s: State) -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
 
         The third value is True if the residual depends on rates of signals without a state.
@@ -234,7 +231,7 @@ def _refuse_undetermined(equations, s):
     return reads_rates
 
 
-def refuse_circles(system: "System", s: "State") -> None:
+def refuse_circles(system: System, s: State) -> None:
     """Raise AssemblyError, with the titles of the signals in ``elements``, if signals form a loop without a solution.
 
     ``s`` is a state before its velocities are known. A loop with a unique solution at other positions and

@@ -12,20 +12,17 @@ its least value since the start of the run or the last event, which depends on t
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, name_list
 from mecano.model.model import title_of
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.increments import largest, moved
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.time.run_state import Method
+from mecano.solve.time.run_state import Method
 
 ROUNDED, LOST = (float((share / np.finfo(float).eps) ** 0.25) for share in (1e-4, 1e-2))  # errors of reactions
 TOO_NEAR = 300.0  # amplification above which a step that fails is explained by the position
@@ -38,17 +35,17 @@ MOST_NAMES = 8  # constraints in the message
 class Amplification:
     """Displacements, relative to the size of the mechanism, that unit violations of its constraints cause."""
 
-    def __init__(self, system: "System", length: float):
+    def __init__(self, system: System, length: float):
         self.system, self.length = system, length
         signs = np.cos(np.arange(system.n_l) ** 2)  # of both signs, in no order: no dependence is without a part of it
         self.violation = signs * constraint_scale(system, length)
 
-    def at(self, consistent: "Consistent") -> float:
+    def at(self, consistent: Consistent) -> float:
         """Return the amplification, 1 to 50 at usual positions and at least 1, for a factored ``Consistent``."""
         of = self.system.numbering
         return max(largest(consistent.change(self.violation), of.kind, of.n_q, self.length), 1.0)
 
-    def places(self, consistent: "Consistent", least: float) -> list[str]:
+    def places(self, consistent: Consistent, least: float) -> list[str]:
         """Return the owners of constraints that become dependent at a factored ``Consistent``, in order of share.
 
         Their shares are at least ``least`` times the largest one.
@@ -57,14 +54,14 @@ class Amplification:
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= least * share.max(initial=0.0)]
         return list(dict.fromkeys(of.name[of.n_q + i].place for i in order))
 
-    def drives(self, consistent: "Consistent") -> list[str]:
+    def drives(self, consistent: Consistent) -> list[str]:
         """Return the prescribed motions that may lead to a singular position, at a factored ``Consistent``."""
         joints = self.system.model.elements
         drives = {title_of(joint.kind.name, joint.name) for joint in joints if joint.kind.drives(joint.values)}
         return [place for place in self.places(consistent, DRIVES) if place in drives]
 
 
-def refuse_singular(method: "Method", s: "State") -> None:
+def refuse_singular(method: "Method", s: State) -> None:
     """Raise ConvergenceError if the constraints are almost dependent at ``s``, from which no step could be taken."""
     if not method.system.n_l:
         return

@@ -1,15 +1,13 @@
 """Report of an integration method on a trial step."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from mecano.errors import Failure
 from mecano.model.state import History, RadauHistory, State
-
-if TYPE_CHECKING:
-    from mecano.solve.events.events import EventRecord
+from mecano.solve.events.events import EventRecord
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
@@ -36,5 +34,5 @@ class StepInfo:
     plain: float = np.nan  # the error before it was bounded
     stages: tuple[State, ...] = ()  # within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there
-    event_records: "tuple[EventRecord, ...]" = ()  # captured in the step (solve/events/capture.py)
+    event_records: tuple[EventRecord, ...] = ()  # captured in the step (solve/events/capture.py)
     work: np.ndarray | None = None  # (m, 2) dissipated and given from the beginning to the stages and the end [J]

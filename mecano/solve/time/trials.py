@@ -1,11 +1,11 @@
 """Trial steps from a state, until one has an admissible error and ends at its first event, if it has any."""
 
 from collections.abc import Set
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.immutable import mutable
+from mecano.model.system import System
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
@@ -14,12 +14,9 @@ from mecano.solve.events.passing import passed
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.rounding_limit import below_rounding
+from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.step_control import AFTER_FAILURE, StepControl, clipped
-
-if TYPE_CHECKING:
-    from mecano.model.system import System
-    from mecano.solve.time.run_state import Method, RunState
-    from mecano.solve.time.step_info import Trial
+from mecano.solve.time.step_info import Trial
 
 BEYOND = 2.0  # times to an impact that a long step would not show, at the present rate, at which it is sought
 OVERLAP = 1e-3  # of the gap up to which contacts touch: one that has opened closes again where it overlaps by more
@@ -32,7 +29,7 @@ class Trials:
     A trial is (state at its end, history there, StepInfo).
     """
 
-    system: "System"
+    system: System
     method: "Method"
     control: StepControl
     monitor: EventMonitor
@@ -40,12 +37,12 @@ class Trials:
     shocks: Shocks
     corners: Set[float]
 
-    def first(self, run: "RunState", stop: float) -> "Trial":
+    def first(self, run: RunState, stop: float) -> "Trial":
         """Return the first trial of a step towards ``stop``."""
         return self._step(run, clipped(run.motion.t, run.h, stop, stop in self.corners))
 
     def acceptable(
-        self, run: "RunState", stop: float, trial: "Trial | None", cuts: list[tuple[float, float]]
+        self, run: RunState, stop: float, trial: "Trial | None", cuts: list[tuple[float, float]]
     ) -> "tuple[float, Trial, Located | None, int, int]":
         """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
 

@@ -8,7 +8,7 @@ step; BETWEEN is interpolated.
 import ctypes
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,14 +16,12 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.maths.vector import mat, put, put_matrix, vec
 from mecano.model import loops
+from mecano.model.assembly import Assembly
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.numbering import TRANSLATION, Unknowns
 from mecano.model.state import History, Instant, State
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.system import System
-    from mecano.solve.time.run_state import RunState
+from mecano.model.system import System
+from mecano.solve.time.run_state import RunState
 
 BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN, FORMER = range(6)
 UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was changed
@@ -162,7 +160,7 @@ class Workspace(Pointers):
         Fields of STEP that never change: numbers, and arrays in the place of their addresses.
     """
 
-    def __init__(self, system: "System", assembly: "Assembly", **fixed: Any):
+    def __init__(self, system: System, assembly: Assembly, **fixed: Any):
         of = system.numbering
         super().__init__(STEP)
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
