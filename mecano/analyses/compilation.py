@@ -1,10 +1,12 @@
 """Find and compile the functions that a run needs, before it begins."""
 
-from typing import TYPE_CHECKING
-
 from mecano.jit import machine_code
 from mecano.jit.ahead import compile_ahead
+from mecano.jit.entry import Entry
+from mecano.jit.machine_code import Code
 from mecano.model import assembly_driver, extremes, sampler
+from mecano.model.system import System
+from mecano.schema import Values
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
 from mecano.solve.time import increments
@@ -18,12 +20,6 @@ from mecano.solve.time.step_change import change_step
 from mecano.solve.time.stride import stride
 from mecano.solve.time.unresolved_oscillation import count_changes
 
-if TYPE_CHECKING:
-    from mecano.jit.entry import Entry
-    from mecano.jit.machine_code import Code
-    from mecano.model.system import System
-    from mecano.schema import Values
-
 # The longest first, so that no core waits for them at the end.
 GENERALIZED_ALPHA = attempt, change_step, stride, increments.motion_tangents
 TIME_INTEGRATION = (
@@ -36,7 +32,7 @@ TIME_INTEGRATION = (
 EVENTS = assembly_driver.event_values, some_happened, between_states
 
 
-def radau() -> "tuple[Entry, ...]":
+def radau() -> tuple[Entry, ...]:
     """Return the functions that Radau IIA needs in addition to those of the time integration."""
     from mecano.solve.linear.factors import factor, solve  # no ordinary run needs them
     from mecano.solve.time.radau_output import interpolate_stages, sample_stages
@@ -46,7 +42,7 @@ def radau() -> "tuple[Entry, ...]":
     return attempt, stride, interpolate_stages, sample_stages, factor, solve
 
 
-def divided() -> "list[Code]":
+def divided() -> list[Code]:
     """Return the Codes that two threads need for a large model."""
     from mecano.jit.thread_pool import help_out  # no small model needs them
     from mecano.model import divided_loops
@@ -56,7 +52,7 @@ def divided() -> "list[Code]":
     return [*(entry.code for entry in entries), *map(divided_loops.code_of, divided_loops.FUNCTIONS)]
 
 
-def compile_time_integration(system: "System", time: "Values") -> None:
+def compile_time_integration(system: System, time: Values) -> None:
     """Load the time integration and the loops of ``system``; compile on all cores those missing from the store.
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.

@@ -3,27 +3,24 @@
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.recorder import FORCES
+from mecano.deck.deck import Deck
 from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.errors import name_list
+from mecano.model.extremes import Extremes
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
+from mecano.model.sampler import Sampler
+from mecano.model.system import System
 from mecano.results.energy_balance import EXCHANGED, energy_ranges, scale_of_balance
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.extremes import Extremes
-    from mecano.model.sampler import Sampler
-    from mecano.model.system import System
-    from mecano.schema import Values
-    from mecano.solve.events.capture import EventCapture
-    from mecano.solve.time.run_state import RunState
-    from mecano.solve.time.unresolved_oscillation import Oscillation, OscillationMonitor
+from mecano.schema import Values
+from mecano.solve.events.capture import EventCapture
+from mecano.solve.time.run_state import RunState
+from mecano.solve.time.unresolved_oscillation import Oscillation, OscillationMonitor
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
@@ -44,7 +41,7 @@ WRAPPED = 6.2  # rad: range of values above which an angle known within one turn
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
-def step_cut_warnings(values: "Values", cuts: Sequence[tuple[float, float]], final: "RunState") -> Iterator[str]:
+def step_cut_warnings(values: Values, cuts: Sequence[tuple[float, float]], final: RunState) -> Iterator[str]:
     """Yield a warning if a fixed step was too large, judged by the ``cuts`` of the step and the final RunState."""
     if values["adaptive"] or len(cuts) <= NOTED * final.steps:
         return
@@ -56,7 +53,7 @@ def step_cut_warnings(values: "Values", cuts: Sequence[tuple[float, float]], fin
     )
 
 
-def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]:
+def capture_warnings(values: Values, capture: EventCapture) -> Iterator[str]:
     """Yield a warning if events were captured at the ends of steps, instead of being located."""
     if not capture.steps:
         return
@@ -70,7 +67,7 @@ def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]
     )
 
 
-def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
+def untouched_ground_warnings(deck: Deck, sampler: Sampler, extremes: Extremes) -> Iterator[str]:
     """Yield a warning if the model has wheels, but their loads were always zero: none touched its ground."""
     at = sampler.starts
     wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
@@ -79,7 +76,7 @@ def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extre
         yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
 
 
-def wrap_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
+def wrap_warnings(deck: Deck, sampler: Sampler, extremes: Extremes) -> Iterator[str]:
     """Yield warnings on angles in formulas that jumped by a turn, because they are known within one turn only."""
     for section, name, kind, output in _wrapping(deck) if deck.formulas else ():
         i, read = sampler.starts[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
@@ -99,9 +96,7 @@ def _wrapping(deck):
             yield from ((section, name, d["type"], one.name) for one in KINDS[d["type"]].outputs if one.wraps)
 
 
-def energy_warnings(
-    values: "Values", sampler: "Sampler", extremes: "Extremes", length: float, mass: float
-) -> Iterator[str]:
+def energy_warnings(values: Values, sampler: Sampler, extremes: Extremes, length: float, mass: float) -> Iterator[str]:
     """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck.
 
     The energy of the ``mass`` [kg] of the model that moves by the rounding of its ``length`` [m] in a step does not
@@ -126,10 +121,10 @@ def energy_warnings(
 
 
 def oscillation_warnings(
-    values: "Values",
-    sampler: "Sampler",
-    ringing: "OscillationMonitor",
-    extremes: "Extremes",
+    values: Values,
+    sampler: Sampler,
+    ringing: OscillationMonitor,
+    extremes: Extremes,
     length: float,
     mass: float,
 ) -> Iterator[str]:
@@ -186,9 +181,9 @@ def _remedy(values):
 
 
 def limit_warnings(
-    deck: "Deck",
-    sampler: "Sampler",
-    extremes: "Extremes",
+    deck: Deck,
+    sampler: Sampler,
+    extremes: Extremes,
     places: np.ndarray | None = None,
     where: str = "t = {:.4g} s",
 ) -> list[str]:
@@ -219,7 +214,7 @@ def _beyond_limit(kind, found, text, where):
     return f"{kind} '{name}': {output} reached {value:.4g} at {where.format(time)}, but {text}{also}"
 
 
-def until_warnings(values: "Values", t: float, met: bool) -> Iterator[str]:
+def until_warnings(values: Values, t: float, met: bool) -> Iterator[str]:
     """Yield a warning if the condition that ends a run was true at its start, or never; ``values``: section ``time``.
 
     ``met``: whether the run ended by it, at ``t`` [s].
@@ -230,7 +225,7 @@ def until_warnings(values: "Values", t: float, met: bool) -> Iterator[str]:
         yield f"'time.until', {values['until']}, did not become true before 'time.end', {values['end']:g} s"
 
 
-def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
+def waiting_warnings(system: System, phases: np.ndarray) -> Iterator[str]:
     """Yield a text that names the elements that, by the ``phases`` at the end, were activated without effect."""
     found = [
         name
@@ -244,7 +239,7 @@ def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
         yield f"activated without effect, as the bodies overlapped until the end: {waiting}"
 
 
-def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
+def open_latch_warnings(deck: Deck, row: np.ndarray, sampler: Sampler, extremes: Extremes) -> Iterator[str]:
     """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs.
 
     Of latches with a release, those are open that were open in all steps.
@@ -263,9 +258,7 @@ def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler", extre
         yield f"{len(found)} of {len(latched)} latches never closed: {name_list(found, MOST_LATCHES, '; ')}"
 
 
-def undeveloped_friction_warnings(
-    deck: "Deck", sampler: "Sampler", extremes: "Extremes", length: float
-) -> Iterator[str]:
+def undeveloped_friction_warnings(deck: Deck, sampler: Sampler, extremes: Extremes, length: float) -> Iterator[str]:
     """Yield a warning for each dry friction that was always below its full value while its part moved far.
 
     Below the rate of the regularization friction falls to zero, and what sticks creeps; what moves far does not stick:

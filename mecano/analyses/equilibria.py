@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.prepare import AUTOMATIC, Prepared, or_default
 from mecano.deck.build import places_of_laws
+from mecano.model.assembly import Assembly
 from mecano.model.output_limits import ended, has_end_conditions, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
+from mecano.model.state import State
+from mecano.schema import Values
 from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.events import EventMonitor, NoEvents, Searching
@@ -19,11 +21,6 @@ from mecano.solve.statics.loading import Clock, LoadFactor, Loading
 from mecano.solve.statics.relaxation import Relaxation
 from mecano.solve.statics.stability import freedom_text, is_floating
 from mecano.solve.statics.static import CLOSED, Statics
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.state import State
-    from mecano.schema import Values
 
 FIRST_STEPS = 10  # of 'steps: automatic'
 SMALLEST = 1e-4  # of the first step, for paths that have no 'minimum_step' in the deck
@@ -45,7 +42,7 @@ class Result:
         """Name, value and unit of the parameter at the end."""
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
-    def assemble(self, s: "State", *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> "Assembly":
+    def assemble(self, s: State, *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> Assembly:
         """Assemble the system under the loads at the end, see ``System.assemble``."""
         return self.loading.assemble(s, self.point.parameter, cK=cK, cC=cC, cM=cM)
 
@@ -99,7 +96,7 @@ def equilibrium(prepared: Prepared) -> tuple[str, ...]:
     return result.warnings
 
 
-def rest(prepared: Prepared, state: "State") -> "tuple[State, tuple[str, ...]]":
+def rest(prepared: Prepared, state: State) -> tuple[State, tuple[str, ...]]:
     """Find the equilibrium to which ``state`` relaxes at fixed time, under all loads, with all phases kept.
 
     Closed latches stay closed; contacts stay closed or open. Returns the State, with reactions and zero velocities,
@@ -151,12 +148,12 @@ def _stability_warnings(prepared, follower, point):
         yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
 
 
-def loaded(prepared: Prepared, values: "Values") -> Statics:
+def loaded(prepared: Prepared, values: Values) -> Statics:
     """Return the Statics with the load factor as parameter."""
     return _statics(prepared, values, LoadFactor(prepared.system, _settled(prepared)))
 
 
-def _settled(prepared: Prepared) -> "State":
+def _settled(prepared: Prepared) -> State:
     """Return the start at rest, with elements in the phases that its positions imply."""
     s = prepared.state.copy()
     s.v[:] = 0.0
@@ -169,7 +166,7 @@ def _monitor(prepared: Prepared) -> EventMonitor:
     return (Searching if over_time or prepared.deck.values["initial"]["static"] else EventMonitor)(prepared.system)
 
 
-def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool = False) -> Statics:
+def _statics(prepared: Prepared, values: Values, loading: Loading, past: bool = False) -> Statics:
     newton, scale = values["newton"], values.get("scale", {})
     tolerances = Tolerances(newton["force_tolerance"], newton["constraint_tolerance"], INCREMENT,
                             newton["maximum_iterations"])  # fmt: skip
@@ -181,7 +178,7 @@ def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool 
     )  # fmt: skip
 
 
-def _steps(prepared: Prepared, values: "Values") -> Steps:
+def _steps(prepared: Prepared, values: Values) -> Steps:
     count = or_default(values["steps"], FIRST_STEPS)
     over_time = values.get("over") == "time"
     minimum = values["minimum_step"] * (values["end"] - (values["start"] if over_time else 0.0)) / count
@@ -189,11 +186,11 @@ def _steps(prepared: Prepared, values: "Values") -> Steps:
     return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC, through=through)
 
 
-def _relaxation(prepared: Prepared, values: "Values") -> Relaxation:
+def _relaxation(prepared: Prepared, values: Values) -> Relaxation:
     return Relaxation(values["end"])
 
 
-def _arc(prepared: Prepared, values: "Values") -> ArcLength:
+def _arc(prepared: Prepared, values: Values) -> ArcLength:
     count, until = or_default(values["steps"], FIRST_STEPS), values["until"]
     target = None if until is None else _target(prepared, until)
     return ArcLength(values["end"], count, values["minimum_step"], values["maximum_steps"], values["lowest"], target)

@@ -4,22 +4,19 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import islice
-from typing import TYPE_CHECKING
 
+from mecano.deck.deck import Deck
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
 from mecano.errors import AssemblyError, MecanoError, NonFiniteError, name_list
 from mecano.model.model import title_of
 
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-
 MOST_NAMES = 4  # elements named with the same remedies, or with their places
 
 
 @contextmanager
-def locating(deck: "Deck") -> Iterator[None]:
+def locating(deck: Deck) -> Iterator[None]:
     """Add to a NonFiniteError the places of the formulas that failed, to an AssemblyError those of what it names."""
     try:
         yield
@@ -40,7 +37,7 @@ def _places(text, deck):
     yield from islice((f"{title_of(kind, name)} is at {mark}" for (_, kind), name, mark in marks if mark), MOST_NAMES)
 
 
-def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:
+def failure_text(error: MecanoError, deck: Deck, warnings: Iterable[str]) -> str:
     """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
 
     The text ends with the ``warnings`` about these elements and about the places of the equations that failed.

@@ -1,27 +1,26 @@
 """Warnings about small motions within the regularized range of friction, or within free play: what acts there."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
+from mecano.deck.deck import Deck
+from mecano.model.state import State
+from mecano.model.system import System
 
 SECTIONS = "elements", "joints"
 WITHIN = "between"  # phase of laws and teeth within their play
 PLAY = "dead_band", "backlash"  # laws and fields that leave a range without elastic force
 
 
-def friction_and_play_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
+def friction_and_play_warnings(deck: Deck, system: System, s: State) -> Iterator[str]:
     """Yield warnings about friction that sticks at ``s``, and about free play within which ``s`` lies."""
     yield from sticking_warnings(deck, system, s)
     yield from play_warnings(deck, system, s)
 
 
-def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
+def sticking_warnings(deck: Deck, system: System, s: State) -> Iterator[str]:
     """Yield a warning about friction in its regularized range, where it acts as a viscous damper."""
     first = {one.name: one.nodes[:2] for one in system.model.elements if one.kind.section == "joints"}
     stuck = [  # a coupler has no nodes of its own: its friction opposes the rate of its first coordinate
@@ -38,7 +37,7 @@ def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[st
         )
 
 
-def play_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
+def play_warnings(deck: Deck, system: System, s: State) -> Iterator[str]:
     """Yield a warning about free play within which small motions about ``s`` meet no elastic force."""
     within = {
         name

@@ -1,21 +1,17 @@
 """Saved values of signals that do not depend on the present motion: of delays, sampled and external values."""
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.elements.signals import delay, external, sample_and_hold
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.results.reader import Results
+from mecano.model.state import State
+from mecano.model.system import System
+from mecano.results.reader import Results
 
 
-def with_held_values(system: "System", state: "State", results: "Results", row: int) -> "State":
+def with_held_values(system: System, state: State, results: Results, row: int) -> State:
     """Return the State of a row of results with the memory by which such signals have their saved values.
 
     They depend on instants between the rows, at which inputs were sampled or read. Signals without saved values keep
@@ -47,6 +43,6 @@ def _set(p: np.void, m: np.ndarray, value: float, t: float) -> None:
     m[external.VALUE], m[external.STARTED] = value, 1.0
 
 
-HELD: "tuple[tuple[str, Callable[[np.void, np.ndarray, float, float], None]], ...]" = (
+HELD: tuple[tuple[str, Callable[[np.void, np.ndarray, float, float], None]], ...] = (
     ("delay", _delayed), ("sample_and_hold", _sampled), ("external", _set)
 )  # fmt: skip

@@ -1,22 +1,18 @@
 """Computed initial states of dynamic runs: static equilibrium, straight steady running, or steady rotation."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.analyses.lint import node_at_start
+from mecano.analyses.prepare import Prepared
+from mecano.deck.deck import Deck
 from mecano.errors import ConvergenceError
 from mecano.model.mesh import inner_names
 from mecano.solve.events.compliance import compliance
 
-if TYPE_CHECKING:
-    from mecano.analyses.prepare import Prepared
-    from mecano.deck.deck import Deck
-
 WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding error
 
 
-def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str, ...]:
+def set_initial_state(prepared: Prepared, disturbed: bool = True) -> tuple[str, ...]:
     """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
 
     Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
@@ -94,7 +90,7 @@ def _wobble_warnings(prepared):
             )
 
 
-def describe(deck: "Deck") -> str:
+def describe(deck: Deck) -> str:
     """Describe the initial state of a deck in words."""
     initial = deck.values["initial"]
     if initial["static"]:

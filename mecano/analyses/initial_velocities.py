@@ -1,24 +1,20 @@
 """Initial velocities that the constraints change, also of nodes that the deck leaves at rest."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.deck.build import requested_velocities
+from mecano.deck.deck import Deck
 from mecano.errors import name_list
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.linear.rounding import ROUNDING
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 NOTICED = 1e-6  # of the fastest motion: a motion of a node that the deck leaves at rest, which is reported
 VIOLATED = 1e-4  # of the fastest motion: a reported change of a velocity, which decks give with some four digits
 MOST_NAMES = 3
 
 
-def changed_velocities(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> list[str]:
+def changed_velocities(deck: Deck, system: System, given: State, start: State, length: float) -> list[str]:
     """Return a warning about the node whose velocity, or else angular velocity, the constraints changed most.
 
     ``given``: the state with the velocities of the deck, ``start``: with consistent ones; ``length`` [m]: the length
@@ -76,7 +72,7 @@ def _velocities(system, s):
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
-def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> str:
+def set_in_motion(deck: Deck, system: System, given: State, start: State, length: float) -> str:
     """Describe the nodes, not named in ``initial.velocities``, that the constraints set in motion; "" if none.
 
     Nodes attached to a body whose node is named are not listed. Arguments as in ``changed_velocities``. A drive whose

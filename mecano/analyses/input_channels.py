@@ -3,27 +3,24 @@
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.analyses.channel_errors import unknown
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.build import build
+from mecano.deck.deck import Deck
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import UsageError
 from mecano.laws.formula import evaluate_formula, read_formula
 from mecano.laws.law_table import terms_of
 from mecano.maths.dual import Dual
+from mecano.model.state import State
 from mecano.model.system import System
-from mecano.schema import MOTION
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.schema import Field, Values
-    from mecano.solve.modal.linearize import Linearization
+from mecano.schema import MOTION, Field, Values
+from mecano.solve.modal.linearize import Linearization
 
 SHIFT = 2.0**-10  # [m] or [rad], of a prescribed motion, in which its constraint is linear
 
@@ -37,7 +34,7 @@ class Input:
     signal: str = ""  # "" for a prescribed motion that is not a signal
     motions: dict[tuple[str, ...], str] = field(default_factory=dict)  # path in the deck -> formula as written
 
-    def columns(self, lin: "Linearization", system: System, s: "State", deck: "Deck") -> np.ndarray:
+    def columns(self, lin: Linearization, system: System, s: State, deck: Deck) -> np.ndarray:
         """Return Q0, Q1, Q2 (3, n): the forces, per unit of the input and its rates, of the elements that read it.
 
         The sinusoid acts on everything that reads the signal, but not on the equation of the signal itself.
@@ -77,7 +74,7 @@ def _unknowns(system, signal):
     raise AssertionError(f"there is no signal {signal}")
 
 
-def with_inputs(deck: "Deck", names: tuple[str, ...], channel: str = "input") -> "tuple[Deck, list[Input]]":
+def with_inputs(deck: Deck, names: tuple[str, ...], channel: str = "input") -> tuple[Deck, list[Input]]:
     """Return a Deck in which functions of time that are inputs are signals, and the Inputs. Raises UsageError.
 
     ``channel``: what the names stand for in messages.
@@ -137,7 +134,7 @@ def _no_inputs_hint(deck, known):
     return "the deck has no signals, loads or prescribed motions; write a force as a load: {type: force, ..., value: 0}"
 
 
-def _functions_of_time(deck) -> "Iterator[tuple[tuple[str, ...], Field, Any]]":
+def _functions_of_time(deck) -> Iterator[tuple[tuple[str, ...], Field, Any]]:
     """Yield (path, Field, value) of all functions of time, and formulas, that elements, joints and loads take."""
     for section in SECTIONS:
         for name, d in deck.values[section].items():
@@ -176,7 +173,7 @@ def _container(values, path):
     return values
 
 
-def slope_of(text: str, signals: "Mapping[str, Values]", signal: str, t: float) -> float:
+def slope_of(text: str, signals: Mapping[str, Values], signal: str, t: float) -> float:
     """Return the exact slope of the motion that a formula (text) prescribes by the value of a ``signal`` at ``t`` [s].
 
     ``signals``: those of the deck; the others in the formula are formulas of the time themselves, or a whole curve.

@@ -2,11 +2,11 @@
 
 import re
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.deck.deck import Deck
 from mecano.deck.limits import AUTOMATIC
 from mecano.deck.physics import element_nodes
 from mecano.deck.units import UnitError, alike, factor_of
@@ -18,12 +18,9 @@ from mecano.maths.inertia import inertia_matrix
 from mecano.model.model import extent, title_of
 from mecano.model.numbering import ROTATION
 from mecano.model.signal_units import drives_with_units, unlike_sums
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.time.massless import loose_knots, massless_unknowns
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 WIDE = 20.0  # sizes of the model: a ship whose deck carries a wheel has 10, and kg mm2 for kg m2 give 300 and more
 PAID_OUT = 2.0  # factor by which a natural length may change before its constant mass is reported
@@ -32,7 +29,7 @@ NAMES_AND_NUMBERS = r"'[^']*'|\bnode [^:]*:|\d"  # in which the warnings about c
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
 
-def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) -> list[Problem]:
+def suspicious_model(deck: Deck, system: System, s: State, length: float) -> list[Problem]:
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, started = [*_strain_warnings(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
@@ -241,7 +238,7 @@ def _velocity_to_add(deck, system, s):
     return velocity if mean @ velocity < 0.5 * velocity @ velocity else np.zeros(3)
 
 
-def node_at_start(system: "System", s: "State", i: int, ahead: np.ndarray | float = 0.0) -> NodeAtStart:
+def node_at_start(system: System, s: State, i: int, ahead: np.ndarray | float = 0.0) -> NodeAtStart:
     """Return the NodeAtStart of the node ``i`` at the state ``s``; ``ahead`` (3,) is added to its velocity."""
     of = system.numbering
     x, r, R = slice(of.x[i], of.x[i] + 3), slice(of.r[i], of.r[i] + 3), s.R[of.rotation[i]]

@@ -1,7 +1,9 @@
 """Margins of stability of a loop of a deck, opened at a signal: computation, file, warnings."""
 
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +22,9 @@ from mecano.analyses.response import (
 )
 from mecano.analyses.samplers import samplers_of
 from mecano.analyses.source import source_of
+from mecano.deck.deck import Deck
 from mecano.errors import UsageError, name_list
+from mecano.model.system import System
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.margins_file import write_margins, write_table
 from mecano.solve.modal.frequency_grid import Sampled
@@ -30,13 +34,6 @@ from mecano.solve.modal.loop_transfer import Crossover, crossovers, highest, in_
 from mecano.solve.modal.modes import poles_up_to
 from mecano.solve.modal.sampled_loop import SampledLoop
 from mecano.solve.modal.sampled_system import DiscreteLoop, SampledSystem, sampled_system
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator
-
-    from mecano.deck.deck import Deck
-    from mecano.model.system import System
 
 CLOSE = 1.0 - 1e-9  # of half the sampling frequency: highest one
 BESIDE = 0.999  # of it: highest crossover of the phase besides the one there
@@ -153,8 +150,8 @@ class Margins:
 
 
 def margins(
-    deck: "Deck",
-    path: "str | os.PathLike[str] | None",
+    deck: Deck,
+    path: str | os.PathLike[str] | None,
     request: LoopRequest,
     *,
     columns: bool = False,
@@ -218,7 +215,7 @@ def _refuse_without_loop(request, deck, system, closed, loop):
     raise UsageError(f"{request.signal}: the signal is in no loop: {reason}; {there}")
 
 
-def _in_loops(deck, system: "System", closed: Plant) -> "Iterator[str]":
+def _in_loops(deck, system: System, closed: Plant) -> Iterator[str]:
     """Yield the signals of a deck whose readers act back on them."""
     loop = in_loops(closed.lin, closed.late)
     for name in deck.values["signals"]:
@@ -328,7 +325,7 @@ def _number_of(growing, whole):
     return int(np.sum(1 + ((faster.imag > 0.0) & (faster.imag < CLOSE * np.pi / whole.period))))
 
 
-def _averaged(signal, samplers, transfer, whole) -> "Iterator[str]":
+def _averaged(signal, samplers, transfer, whole) -> Iterator[str]:
     """Yield warnings about samplers that are not counted as such."""
     if samplers and not isinstance(whole, SampledSystem) and (len(samplers) > 1 or signal not in samplers):
         yield f"the stability of the samples is not determined: {whole}"
@@ -340,7 +337,7 @@ def _averaged(signal, samplers, transfer, whole) -> "Iterator[str]":
             )
 
 
-def _unsure(found, request) -> "Iterator[str]":
+def _unsure(found, request) -> Iterator[str]:
     """Yield warnings about margins that do not say how far the loop is from instability."""
     numbers, error, warnings = found
     yield from warnings

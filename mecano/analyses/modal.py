@@ -1,6 +1,6 @@
 """Modes of a deck about its start, a static equilibrium or a saved state: computation, table, file, warnings."""
 
-from typing import TYPE_CHECKING
+import os
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from mecano.analyses.small_motion_warnings import (
     slowest,
 )
 from mecano.analyses.source import source_of
+from mecano.deck.deck import Deck
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.post.text_table import aligned
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.file_names import to_be_written
@@ -25,19 +28,12 @@ from mecano.solve.modal.modes import Modes, solve
 from mecano.solve.modal.small_motions import signals_follow
 from mecano.solve.statics.stability import motion_text
 
-if TYPE_CHECKING:
-    import os
-
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
-
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "largest motions")
 
 
 def modes(
-    deck: "Deck",
-    path: "str | os.PathLike[str] | None",
+    deck: Deck,
+    path: str | os.PathLike[str] | None,
     *,
     at: str | None = None,
     at_rest: bool = False,
@@ -76,7 +72,7 @@ def modes(
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base
 
 
-def table(system: "System", s: "State", found: Modes, lin: Linearization) -> list[str]:
+def table(system: System, s: State, found: Modes, lin: Linearization) -> list[str]:
     """Return the lines of the table for a terminal."""
     rows = [HEAD]
     columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
@@ -89,7 +85,7 @@ def table(system: "System", s: "State", found: Modes, lin: Linearization) -> lis
     return aligned(rows, ">>>>>>><")
 
 
-def largest_motions(system: "System", s: "State", lin: Linearization, value: complex, shape: np.ndarray) -> str:
+def largest_motions(system: System, s: State, lin: Linearization, value: complex, shape: np.ndarray) -> str:
     """Return the nodes with the largest motions of a mode as text, those of an oscillation by their kinetic energies.
 
     Compared as displacements, the rotations of members with waves shorter than the length scale would dominate. A decay

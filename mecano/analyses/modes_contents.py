@@ -1,26 +1,24 @@
 """The arrays of modes as their file contains them, with the motions of nodes inside superelements."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mecano.deck.deck import Deck
 from mecano.element_interface import RELEASES
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.solve.modal.modes import Modes
 from mecano.solve.time.increments import displaced
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
 
 
 def contents(
-    system: "System",
-    s: "State",
+    system: System,
+    s: State,
     found: Modes,
     words_: str,
     turning: np.ndarray,
@@ -52,9 +50,7 @@ def _released(system, s):
         yield from (name for name, phase in zip(b.names, s.phases[b.phases], strict=True) if phase in after)
 
 
-def inner_motions(
-    deck: "Deck", system: "System", s: "State", shapes: np.ndarray
-) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def inner_motions(deck: Deck, system: System, s: State, shapes: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return the motions of nodes inside superelements: {name: (positions (k, 3) [m], translations (m, k, 3))}.
 
     ``shapes`` (m, n_q) as in Modes. The motions are central differences of the outputs of the displaced elements.

@@ -15,24 +15,20 @@ member between a fixed and a free node moves.
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.load_state import motions_in
 from mecano.analyses.prepare import prepare
 from mecano.analyses.resume import MOST, differences
+from mecano.deck.deck import Deck
 from mecano.errors import UsageError, name_list
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.post.text_table import aligned
 from mecano.results.opening import errors_as_damage
 from mecano.results.provenance import to_json
 from mecano.results.reader import open_results
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
-
 
 WITH_MASSES = ("elements", "sections")  # of a deck
 
@@ -57,7 +53,7 @@ class Momentum:
         return "\n".join(_lines(self))
 
 
-def momentum(deck: "Deck", results: str, about: Sequence[float] = (0.0, 0.0, 0.0)) -> Momentum:
+def momentum(deck: Deck, results: str, about: Sequence[float] = (0.0, 0.0, 0.0)) -> Momentum:
     """Return the Momentum of a dynamic run of a checked deck; ``results`` is the path of its file.
 
     ``about`` [m] is the point to which the angular momentum refers. Raises the errors of ``mecano check``, ResultsError
@@ -84,7 +80,7 @@ def _refuse_other_masses(deck, path):
         raise UsageError(f"{path} is the run of another deck: it has {listed}; give the deck and the --set of the run")
 
 
-def _momentum(system: "System", s: "State", o: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+def _momentum(system: System, s: State, o: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Return mass [kg], centre of mass (3,), linear momentum (3,) and angular momentum (3,) about ``o`` of a state."""
     still = replace(s, z=s.z.copy(), v=np.zeros_like(s.v), a=np.zeros_like(s.a))
     still.z[system.n_q : system.n] = 0.0  # no reactions

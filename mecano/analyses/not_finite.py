@@ -1,21 +1,15 @@
 """The error for an output that is not finite; results files contain no such numbers."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from mecano.errors import NonFiniteError
-
-if TYPE_CHECKING:
-    from mecano.model.assembly import Observation
-    from mecano.model.sampler import Sampler
+from mecano.model.assembly import Observation
+from mecano.model.sampler import Sampler
 
 MOST_NAMES = 5  # elements in a message
 
 
-def output_not_finite(
-    sampler: "Sampler", observation: "Observation", i: int, where: str, remedy: str
-) -> NonFiniteError:
+def output_not_finite(sampler: Sampler, observation: Observation, i: int, where: str, remedy: str) -> NonFiniteError:
     """Return the NonFiniteError for entry ``i`` of the row of a Sampler, filled from an Observation.
 
     ``where`` is the time or load factor as text, ``remedy`` the advice.

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,15 +10,13 @@ from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
+from mecano.deck.deck import Deck
 from mecano.errors import UsageError
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.modal.linearize import Assemble
 from mecano.solve.time.consistent import Consistent
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
-    from mecano.solve.time.run_state import RunState
+from mecano.solve.time.run_state import RunState
 
 LARGEST = 1e100  # rad/s
 HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the current motion
@@ -30,14 +27,14 @@ class OperatingPoint:
     """A state about which modes are computed: its assembly (None: that of the system) and its description."""
 
     prepared: Prepared
-    state: "State"
-    assemble: "Assemble | None"
+    state: State
+    assemble: Assemble | None
     words: str
     warnings: tuple[str, ...] = ()
     is_start: bool = False
 
 
-def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) -> OperatingPoint:
+def operating_point(deck: Deck, at: str | None = None, at_rest: bool = False) -> OperatingPoint:
     """Return the state of a checked deck about which modes are computed, as an OperatingPoint.
 
     The state is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the
@@ -47,7 +44,7 @@ def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) 
         return _operating_point(deck, at, at_rest)
 
 
-def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPoint:
+def _operating_point(deck: Deck, at: str | None, at_rest: bool) -> OperatingPoint:
     begun, held = prepare(deck), tuple(held_warnings(deck))
     prepared = begun
     if at is not None and at_rest:
@@ -69,7 +66,7 @@ def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPo
     return OperatingPoint(prepared, _undeflected(prepared, run), None, describe(deck), reported, is_start=True)
 
 
-def _undeflected(prepared: Prepared, run: "RunState") -> "State":
+def _undeflected(prepared: Prepared, run: RunState) -> State:
     """Return the state at the start of a run without the deflection of the compliances of redundant constraints.
 
     It strains stiff members next to these constraints, which would act as an unbalanced force.
@@ -80,7 +77,7 @@ def _undeflected(prepared: Prepared, run: "RunState") -> "State":
     return Consistent(prepared.system, prepared.linear, s, prepared.length, soft).without_compliance(s)
 
 
-def held_warnings(deck: "Deck") -> Iterator[str]:
+def held_warnings(deck: Deck) -> Iterator[str]:
     """Yield a warning about signals whose values small motions do not change."""
     held = [(d["type"], name) for name, d in deck.values["signals"].items() if d["type"] in HELD]
     if held:
@@ -92,7 +89,7 @@ def held_warnings(deck: "Deck") -> Iterator[str]:
         )
 
 
-def angular_velocity_of(system: "System", s: "State", frame: str) -> np.ndarray:
+def angular_velocity_of(system: System, s: State, frame: str) -> np.ndarray:
     """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
     if not isinstance(frame, str):
         raise UsageError(f"frame={frame!r}: write 'inertial', the name of a node, or 'wx,wy,wz' [rad/s]")

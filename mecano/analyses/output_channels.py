@@ -6,7 +6,6 @@ component of the acceleration of a node is the rate of the velocity component, i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,6 +13,7 @@ import scipy.sparse as sp
 from mecano.analyses.channel_errors import hint
 from mecano.analyses.input_channels import place_of
 from mecano.analyses.observed_outputs import MemberOutput, NodeOutput, member_output, node_output
+from mecano.deck.deck import Deck
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import UsageError
@@ -21,11 +21,8 @@ from mecano.laws.formula import FormulaError, read_formula
 from mecano.model.measured_outputs import AXES, components
 from mecano.model.mesh import inner_names, piece_names
 from mecano.model.quantity_names import UnknownQuantity, resolve
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.model.system import System
+from mecano.model.state import State
+from mecano.model.system import System
 
 RATES = {"acceleration": ("velocity", "m/s2"), "angular_acceleration": ("angular_velocity", "rad/s2")}
 """Quantity of a node -> the quantity of which it is the rate, its unit."""
@@ -40,7 +37,7 @@ class Output:
     signals: tuple[str, ...]
     axis: int = 0  # of the acceleration
 
-    def rows(self, system: "System", s: "State", w: np.ndarray) -> list[sp.csr_matrix]:
+    def rows(self, system: System, s: State, w: np.ndarray) -> list[sp.csr_matrix]:
         """Return R0, R1, R2, each (1, n), in axes that turn with ``w`` (3,)."""
         at, none = [place_of(system, signal)[0] for signal in self.signals], _row(system.n, [], [])
         if len(at) == 1:
@@ -53,7 +50,7 @@ def _row(n, columns, values):
     return sp.csr_matrix((values, ([0] * len(values), columns)), shape=(1, n))
 
 
-def with_outputs(deck: "Deck", names: Sequence[str]) -> "tuple[Deck, list[Output | NodeOutput | MemberOutput]]":
+def with_outputs(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[Output | NodeOutput | MemberOutput]]:
     """Return a Deck with the signals that measure the outputs, and the outputs. Raises UsageError."""
     entries = {(s, name): (KINDS[d["type"]], d) for s in SECTIONS for name, d in deck.values[s].items()}
     members = {piece: d for name, d in deck.values["elements"].items() for piece in piece_names(name, d)}

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from traceback import walk_tb
-from typing import TYPE_CHECKING
 
 from mecano.analyses.kind_samples import samples
 from mecano.analyses.kind_tests import OF_DECK_KINDS
 from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
 from mecano.element_interface import Kind
+from mecano.elements.plugins import Plugin
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import SlipLaw
 from mecano.elements.wheels.transient_wheel import with_law as transient_wheel_with_law
@@ -17,13 +17,10 @@ from mecano.jit.compilation_error import PLAIN_MATH
 from mecano.jit.machine_code import address
 from mecano.model.loop_code import all_codes
 
-if TYPE_CHECKING:
-    from mecano.elements.plugins import Plugin
-
 NOT_FOR_DUALS = ("not Dual", "'Dual' does not support ufuncs", "** or pow(): 'Dual'")  # in messages of Python
 
 
-def check_plugin(plugin: "Plugin") -> tuple[str, int]:
+def check_plugin(plugin: Plugin) -> tuple[str, int]:
     """Return (text, number of failures), with one line for each test of each item of a Plugin."""
     lines, failures = [], 0
     for item in plugin.found:

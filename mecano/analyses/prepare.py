@@ -4,13 +4,14 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.analyses.carry_over import carried_over
 from mecano.analyses.failure_text import locating
 from mecano.analyses.initial_velocities import changed_velocities
 from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks, time_samples
+from mecano.deck.deck import Deck
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.deck.short_bumps import turn_over_bumps
@@ -18,9 +19,11 @@ from mecano.errors import AssemblyError, DeckError, Problem, name_list
 from mecano.immutable import mutable
 from mecano.model.model import length_scale, title_of
 from mecano.model.sampler import row_size
+from mecano.model.state import State
 from mecano.model.system import System
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.layout import STEPS
+from mecano.schema import Values
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.mobility import Analysis, Group, analyse
 from mecano.solve.diagnostics.scales import Tolerances
@@ -29,15 +32,10 @@ from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.coefficients import Coefficients
 from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 from mecano.solve.time.initial_assembly import assemble_start, most_off
+from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.time_integration import Accepted, TimeIntegrator
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.state import State
-    from mecano.schema import Values
-    from mecano.solve.time.run_state import Method, RunState
 
 METHODS = {
     "generalized_alpha": Coefficients.generalized_alpha,
@@ -58,11 +56,11 @@ SHARE_OF_TOLERANCE = 0.01  # of an adaptive run: residual forces relative to tho
 class Prepared:
     """A model ready for analysis, with its initial state and diagnostics."""
 
-    deck: "Deck"
+    deck: Deck
     system: System
     linear: LinearSolver
     length: float  # [m]
-    state: "State"  # positions assembled, velocities of the deck
+    state: State  # positions assembled, velocities of the deck
     displacement: float  # [m] largest correction of the deck's positions by the assembly
     analysis: Analysis  # redundant constraints and mechanisms
     compliance: Compliance | None  # of redundant constraints
@@ -80,13 +78,13 @@ class Prepared:
         end = _end_of_loads(self.deck)
         return compliance(self.system, self.state, self.length, self.analysis, end) if self.compliance else None
 
-    def at(self, state: "State") -> "Prepared":
+    def at(self, state: State) -> "Prepared":
         """Return the same model at another state, whose phases may make other constraints redundant."""
         analysis, soft = _redundancy(self.deck, self.system, state, self.length)
         return replace(self, state=state, analysis=analysis, compliance=soft)
 
 
-def prepare(deck: "Deck", compile_ahead: Callable[[System], object] = lambda system: None) -> Prepared:
+def prepare(deck: Deck, compile_ahead: Callable[[System], object] = lambda system: None) -> Prepared:
     """Build the model of a checked deck, assemble its positions, and return a Prepared.
 
     ``compile_ahead(system)`` may compile code that is needed later. The call can be interrupted by a signal. Raises
@@ -96,7 +94,7 @@ def prepare(deck: "Deck", compile_ahead: Callable[[System], object] = lambda sys
         return call_interruptibly(_prepare, deck, compile_ahead)
 
 
-def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepared:
+def _prepare(deck: Deck, compile_ahead: Callable[[System], object]) -> Prepared:
     system = System(build(deck))
     _refuse_fixed(deck, system)
     compile_ahead(system)
@@ -189,7 +187,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
     )  # fmt: skip
 
 
-def force_tolerance(time: "Values") -> float:
+def force_tolerance(time: Values) -> float:
     """Return the tolerance of Newton's iteration for residual forces in the checked section ``time``.
 
     Residuals of a step are forces like any other, whose effects add up: adaptive ones are at most a share of the
@@ -199,7 +197,7 @@ def force_tolerance(time: "Values") -> float:
     return min(own, SHARE_OF_TOLERANCE * adaptive["tolerance"]) if adaptive else own
 
 
-def control_of(values: "Values") -> StepControl:
+def control_of(values: Values) -> StepControl:
     """Return the step control specified by the checked section ``time``."""
     step, adaptive = values["step"], values["adaptive"]
     smallest = max(SMALLEST_STEP * step, finest_step(values))
@@ -231,7 +229,7 @@ def or_default(value: Any, otherwise: Any) -> Any:
     return otherwise if value == AUTOMATIC else value
 
 
-def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun: Prepared | None = None) -> list[str]:
+def startup_warnings(prepared: Prepared, start: RunState | None = None, begun: Prepared | None = None) -> list[str]:
     """Return the warnings about a model before it runs, one text each.
 
     ``start`` is the initial RunState; ``begun`` is the model in the state of the deck, if ``prepared`` is in another.
@@ -347,7 +345,7 @@ def _owners(system, multipliers, group):
     return sorted({name.place for name in names & set(group.names)})
 
 
-def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
+def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: RunState) -> dict[str, float]:
     """Return the values chosen where the deck says "automatic", by name, for the results file."""
     method, control = integrator.method, integrator.control
     chosen = {

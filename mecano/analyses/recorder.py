@@ -3,22 +3,20 @@
 import time as clock
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from mecano.analyses.prepare import Prepared
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import end_text, watched_outputs
+from mecano.model.sampler import Sampler
+from mecano.results.writer import Writer
+from mecano.solve.events.events import EventRecord
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
+from mecano.solve.time.run_state import RunState
+from mecano.solve.time.time_integration import Accepted, TimeIntegrator
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
-
-if TYPE_CHECKING:
-    from mecano.analyses.prepare import Prepared
-    from mecano.model.sampler import Sampler
-    from mecano.results.writer import Writer
-    from mecano.solve.events.events import EventRecord
-    from mecano.solve.time.run_state import RunState
-    from mecano.solve.time.time_integration import Accepted, TimeIntegrator
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are monitored for ringing
@@ -31,7 +29,7 @@ class Recorder:
     ``poll()`` is called within a step whose saved times fill the buffers more than once; it may raise Stopped.
     """
 
-    def __init__(self, prepared: "Prepared", writer: "Writer", sampler: "Sampler", integrator: "TimeIntegrator"):
+    def __init__(self, prepared: Prepared, writer: Writer, sampler: Sampler, integrator: TimeIntegrator):
         self.writer, self.sampler = writer, sampler
         self.control, self._workspace = integrator.control, integrator.method.workspace
         self.observation = integrator.observation
@@ -52,13 +50,13 @@ class Recorder:
         """The row at the beginning of the next step, after the events there."""
         return self.output.row
 
-    def first(self, run: "RunState", events: "Iterable[EventRecord]") -> None:
+    def first(self, run: RunState, events: Iterable[EventRecord]) -> None:
         """Write the initial state, after the ``events`` [EventRecord] of the start."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
         self._append(events)
 
-    def restarted(self, run: "RunState", passing: bool = False) -> None:
+    def restarted(self, run: RunState, passing: bool = False) -> None:
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended.
 
         A state between two events of one instant is ``passing``, and excluded from the extremes: a controller may
@@ -80,7 +78,7 @@ class Recorder:
         self.row[:], self.output.record["saved"] = plain["row"], plain["saved"]
         self.ringing.from_plain(plain["ringing"])
 
-    def __call__(self, accepted: "Accepted") -> None:
+    def __call__(self, accepted: Accepted) -> None:
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         t = accepted.run.motion.t
         if accepted.h:
@@ -102,7 +100,7 @@ class Recorder:
         for e in events:
             self.writer.append_event(Event(e.t, e.element, e.name, e.before, e.after, e.unit, e.impulse, e.lost))
 
-    def report(self, run: "RunState") -> None:
+    def report(self, run: RunState) -> None:
         """Pass the contents of the buffers to the writer, at intervals."""
         if clock.monotonic() >= self._due:
             self.flush()

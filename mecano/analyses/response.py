@@ -1,9 +1,9 @@
 """Frequency response of a deck from inputs to outputs: computation, file, warnings; export of a state space."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,6 +22,7 @@ from mecano.analyses.small_motion_warnings import (
 )
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import LinearModel, linear_model, refuse, refuse_plant, write_state_space
+from mecano.deck.deck import Deck
 from mecano.errors import UnknownNameError, UsageError
 from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
@@ -32,11 +33,6 @@ from mecano.solve.modal.frequency_response import Plant, TransferFunction
 from mecano.solve.modal.late_feedback import growing_poles
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import poles_up_to
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.deck.deck import Deck
 
 SLOW = 1e-4, 1e-3  # of the lowest frequency: frequencies that give the static gain
 STATIC = 1e-3  # relative change between these up to which there is a static gain
@@ -152,11 +148,11 @@ def _place(name, names, what):
 
 
 def response(
-    deck: "Deck",
-    path: "str | os.PathLike[str] | None",
+    deck: Deck,
+    path: str | os.PathLike[str] | None,
     request: ResponseRequest,
     *,
-    state_space: "str | os.PathLike[str] | None" = None,
+    state_space: str | os.PathLike[str] | None = None,
     columns: bool = False,
     force: bool = False,
 ) -> tuple[str, Response]:
@@ -183,7 +179,7 @@ def response(
 
 
 @contextmanager
-def new_file(path: "str | os.PathLike[str] | None", columns: bool, force: bool) -> "Iterator[None]":
+def new_file(path: str | os.PathLike[str] | None, columns: bool, force: bool) -> Iterator[None]:
     """Lock a file of numbers over frequencies that is to be written; do nothing if ``path`` is None.
 
     Raises UsageError if its name is that of a table, and ResultsError if it or, with ``columns``, the table next to it
@@ -225,7 +221,7 @@ def _find(deck, request, to_export):
 
 
 def state_warnings(
-    deck: "Deck", base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str, lowest: float
+    deck: Deck, base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str, lowest: float
 ) -> Iterator[str]:
     """Yield warnings about the state of a deck for which ``what`` was computed, such as "the response".
 
@@ -250,7 +246,7 @@ def _known(of_signal, otherwise):
 
 
 def plant_of(
-    deck: "Deck",
+    deck: Deck,
     base: OperatingPoint,
     inputs: Sequence[Input],
     outputs: Sequence[Output | NodeOutput | MemberOutput],

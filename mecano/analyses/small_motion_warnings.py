@@ -1,7 +1,6 @@
 """Warnings about small motions: no equilibrium, variable or inaccurate equations."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,13 +9,11 @@ from mecano.analyses.operating_point import OperatingPoint
 from mecano.analyses.unsteady_bodies import unsteady_bodies
 from mecano.errors import name_list
 from mecano.model.numbering import TRANSLATION
+from mecano.model.state import State
+from mecano.model.system import System
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import RESTING, Linearization
 from mecano.solve.modal.modes import CONVERGED, unstable
-
-if TYPE_CHECKING:
-    from mecano.model.state import State
-    from mecano.model.system import System
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 STEADY = 1e-8  # the same, below which a state is steady; rounding errors cause 1e-10
@@ -65,7 +62,7 @@ def _unsteady(system, nodes, turns, what):
     )
 
 
-def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.ndarray | None:
+def _relative_accelerations(system: System, s: State, w: np.ndarray) -> np.ndarray | None:
     """Return the accelerations (n_q,) relative to axes with the angular velocity ``w``, None if the state moves there.
 
     The axes turn about the origin or about any other point. Angular accelerations of nodes that turn in place are zero.

@@ -1,16 +1,14 @@
 """The deck of a run as the Source that its results file holds."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from mecano.deck.deck import Deck
 from mecano.results.provenance import Source
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
 
 
 def source_of(
-    deck: "Deck",
+    deck: Deck,
     *,
     automatic: Mapping[str, float] | None = None,
     model: Mapping[str, Any] | None = None,

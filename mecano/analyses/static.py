@@ -1,7 +1,7 @@
 """A static run, from a checked deck to the results file: prepare, follow the path, close."""
 
+import os
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.yielding import yielding_warnings
+from mecano.deck.deck import Deck
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import System
 from mecano.results.file_names import refuse_existing
@@ -21,12 +22,7 @@ from mecano.results.reason import with_warnings
 from mecano.results.recorded import Event
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.deck.deck import Deck
-    from mecano.solve.statics.continuation import Observer, Point
+from mecano.solve.statics.continuation import Observer, Point
 
 AXES = {
     "load_factor": Series("load factor", "", "share of the loads and of gravity"),
@@ -62,7 +58,7 @@ class EquilibriumRecorder:
         self.places = np.concatenate([np.arange(c.start, c.start + c.size) for c in columns])
         self.loads = _outputs_of_loads(system)
 
-    def __call__(self, point: "Point") -> None:
+    def __call__(self, point: Point) -> None:
         """Write one Point. Raises NonFiniteError, which names the output, if one is not finite."""
         factor = 1.0 if self.over_time else point.parameter
         stability, row = point.stability, self.sampler.take(StaticSample(point.state), point.observation)
@@ -89,12 +85,12 @@ def _outputs_of_loads(system):
 
 
 def resume(
-    deck: "Deck",
-    path: "str | os.PathLike[str]",
+    deck: Deck,
+    path: str | os.PathLike[str],
     *,
     observers: "Sequence[Observer]" = (),
     announce: Callable[[str], object] = lambda text: None,
-) -> "Point | None":
+) -> Point | None:
     """Compute the equilibria again unless ``path`` holds all of them, and return the last Point.
 
     Static runs have no checkpoints. Return None if the file is complete. Raises UsageError if the file belongs to
@@ -119,13 +115,13 @@ def resume(
 
 
 def run(
-    deck: "Deck",
-    path: "str | os.PathLike[str]",
+    deck: Deck,
+    path: str | os.PathLike[str],
     *,
     force: bool = False,
     observers: "Sequence[Observer]" = (),
     announce: Callable[[str], object] = lambda text: None,
-) -> "Point":
+) -> Point:
     """Compute the equilibria of a deck with ``static``, write them to ``path``, and return the last Point.
 
     ``observers`` are called with every Point, ``announce`` with the text of every warning. Raises AssemblyError,
@@ -137,12 +133,12 @@ def run(
 
 
 def _follow(
-    deck: "Deck",
-    path: "str | os.PathLike[str]",
+    deck: Deck,
+    path: str | os.PathLike[str],
     force: bool,
     observers: "Sequence[Observer]",
     announce: Callable[[str], object],
-) -> "Point":
+) -> Point:
     """Do as ``run``, with the lock on the file held."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"

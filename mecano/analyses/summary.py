@@ -2,7 +2,6 @@
 
 from collections import Counter
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,19 +10,17 @@ from mecano.analyses.initial_state import describe
 from mecano.analyses.initial_velocities import NOTICED, changed_velocities, set_in_motion
 from mecano.analyses.memory_estimate import memory_of_run, memory_text
 from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
+from mecano.deck.deck import Deck
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
 from mecano.errors import AssemblyError, name_list
+from mecano.model.numbering import EquationName
 from mecano.process.interrupt import call_interruptibly
 from mecano.solve.diagnostics.mobility import MANY
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.signals import refuse_undetermined
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.numbering import EquationName
 
 MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
 MOST_ALIKE = 8  # lines printed of one group of redundant constraints

@@ -1,10 +1,11 @@
 """Modes over one or two parameters of a deck: root loci, critical values, maps of stability."""
 
+import os
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from mecano.analyses.source import source_of
 from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
+from mecano.deck.deck import Deck
 from mecano.deck.read import read_deck
 from mecano.deck.unit_of import unit_of, written_parameters
 from mecano.deck.wording import suggestion
@@ -36,11 +38,6 @@ from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve, unstable
 from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track
 from mecano.solve.modal.whirl import Resonance, resonances, whirling
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.deck.deck import Deck
 
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
 MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest motions of a mode
@@ -89,7 +86,7 @@ class Sweep:
     loci: list[Locus]
     warnings: list[str]
     about: str
-    deck: "Deck"  # the checked deck without the values of the sweep
+    deck: Deck  # the checked deck without the values of the sweep
     rotor: str = ""  # node whose speed a Campbell diagram shows
     orders: tuple[float, ...] = ()  # multiples of its speed
 
@@ -112,7 +109,7 @@ class Case:
     residuals: dict[Settings, float] = field(default_factory=dict)  # settings -> largest of all modes but free ones
     units: dict[str, str] = field(default_factory=dict)  # path -> SI unit of its values, "" for numbers without units
 
-    def deck(self, settings: Settings = ()) -> "Deck":
+    def deck(self, settings: Settings = ()) -> Deck:
         """Return the checked deck with ``settings``, pairs (path, value), applied."""
         values = (f"{path}={value!r} {self.units.get(path, '')}".rstrip() for path, value in settings)
         return read_deck(self.path, (*self.overrides, *values))
@@ -368,7 +365,7 @@ def _distinct(criticals):
 
 
 def sweep_into(
-    file: "str | os.PathLike[str]",
+    file: str | os.PathLike[str],
     path: str,
     overrides: Iterable[str],
     texts: Sequence[str],

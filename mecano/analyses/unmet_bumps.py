@@ -1,19 +1,17 @@
 """Warnings about grounds with bumps that no wheel met in a run: an end too early, a direction or a sign is wrong."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.model.extremes import Extremes
-    from mecano.model.sampler import Sampler
+from mecano.deck.deck import Deck
+from mecano.model.extremes import Extremes
+from mecano.model.sampler import Sampler
 
 DIGITS = 6  # after the point of a distance [m]
 
 
-def unmet_bump_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
+def unmet_bump_warnings(deck: Deck, sampler: Sampler, extremes: Extremes) -> Iterator[str]:
     """Yield a warning about each ground whose profile consists of bumps, of which its wheels met none.
 
     The distances covered are those of the box around all points of contact, which may be longer than the way.

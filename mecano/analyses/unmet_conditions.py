@@ -2,19 +2,16 @@
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from mecano.deck.deck import Deck
 from mecano.element_interface import RELEASES
 from mecano.errors import name_list
+from mecano.model.extremes import Extremes
 from mecano.model.model import title_of
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from mecano.deck.deck import Deck
-    from mecano.model.extremes import Extremes
-    from mecano.model.sampler import Sampler
-    from mecano.model.system import System
+from mecano.model.sampler import Sampler
+from mecano.model.system import System
 
 MOST_CONDITIONS = 4  # named in a warning
 LOAD = r"\b{}\.(?:\w+\.)*(?:tension|\w*force\w*|\w*moment\w*|\w*torque\w*)\b"  # on the element of this name
@@ -23,7 +20,7 @@ GRIP_WAITS = {"open": "close", "closed": "release"}  # {phase: command that ends
 
 
 def unmet_condition_warnings(
-    deck: "Deck", system: "System", phases: "np.ndarray", sampler: "Sampler", extremes: "Extremes"
+    deck: Deck, system: System, phases: np.ndarray, sampler: Sampler, extremes: Extremes
 ) -> Iterator[str]:
     """Yield a warning that names the conditions that, by the ``phases`` at the end, were never met.
 
@@ -41,7 +38,7 @@ def unmet_condition_warnings(
         yield f"conditions that did not become true: {name_list(list(found), MOST_CONDITIONS, '; ')}"
 
 
-def released_at_start(deck: "Deck", system: "System", phases: "np.ndarray") -> Iterator[str]:
+def released_at_start(deck: Deck, system: System, phases: np.ndarray) -> Iterator[str]:
     """Yield a warning, with its line, for each element whose release is due in the ``phases`` at the start.
 
     It may have become true in an earlier run that this one continues.

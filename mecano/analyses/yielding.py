@@ -1,28 +1,24 @@
 """Warnings about redundant constraints that yielded to forces much larger than those at the start."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.solve.events.compliance import SOFTNESS
-
-if TYPE_CHECKING:
-    from mecano.model.extremes import Extremes
-    from mecano.model.sampler import Sampler
-    from mecano.model.system import System
-    from mecano.solve.events.compliance import Compliance
+from mecano.model.extremes import Extremes
+from mecano.model.sampler import Sampler
+from mecano.model.system import System
+from mecano.solve.events.compliance import SOFTNESS, Compliance
 
 NOTICED = 1e-8  # of the length scale: displacement of a redundant constraint above which it is reported
 UNITS = ("N", "N m")
 
 
 def yielding_warnings(
-    system: "System",
-    soft: "Compliance | None",
+    system: System,
+    soft: Compliance | None,
     length: float,
-    sampler: "Sampler",
-    extremes: "Extremes",
+    sampler: Sampler,
+    extremes: Extremes,
     places: np.ndarray | None = None,
 ) -> Iterator[str]:
     """Yield a warning if the compliances ``soft`` of redundant constraints let them yield far beyond their tolerance.
