@@ -6,12 +6,13 @@ little-endian, encoded in base64.
 
 import base64
 import json
+import os
 import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -31,9 +32,6 @@ from mecano.results import modes_file
 from mecano.results.opening import format_of
 from mecano.results.whole_file import write_page
 
-if TYPE_CHECKING:
-    import os
-
 MOST_FRAMES = 600
 FILMS = (".gif", ".webp", ".mp4")
 MOST_PLOTS = 4
@@ -48,7 +46,7 @@ BARS = 0.25, 1e-3  # distance of bars across a ground: of the size of the mechan
 
 
 def animate(
-    path: "str | os.PathLike[str]", page: "str | os.PathLike[str]", plots: Sequence[str] = (), title: str | None = None
+    path: str | os.PathLike[str], page: str | os.PathLike[str], plots: Sequence[str] = (), title: str | None = None
 ) -> Path:
     """Write an animation of the results file ``path`` as a ``page``, or as a film by its extension; return the Path.
 

@@ -2,17 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from mecano.post.quantity import STEPS
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from mecano.post.sheet import Curve
+from mecano.post.sheet import Curve
 
 
-def columns_of(curves: "Iterable[Curve]", run_labels: Sequence[str] = ()) -> list[Sequence[str]]:
+def columns_of(curves: Iterable[Curve], run_labels: Sequence[str] = ()) -> list[Sequence[str]]:
     """Return curves as rows of a table: columns with names and units, each after the one over which it is plotted.
 
     ``run_labels`` prefix the names if there are several runs. Columns shared by curves are written once. Columns may

@@ -19,15 +19,12 @@ energy there is no margin.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.quantity import Quantity
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
@@ -37,7 +34,7 @@ LOCKED = 0.5  # value of the output 'latched' between 0 and 1
 TURNS = 0.01  # of the largest angle: motors that turn less are still held
 
 
-def deployment_sheet(runs: "Sequence[Run]") -> Sheet:
+def deployment_sheet(runs: Sequence[Run]) -> Sheet:
     """Return the Sheet of the deployment margin, without panels if no motor turns."""
     torques, margins, reported = [], [], []
     for number, run in enumerate(runs):
@@ -67,7 +64,7 @@ def margin_text(angle: np.ndarray, margin: np.ndarray) -> str:
     return f"least {least[0]}; in the last {LATCHING:.0%} of the way {least[1]}"
 
 
-def motors(run: "Run") -> dict[str, float]:
+def motors(run: Run) -> dict[str, float]:
     """Return {name: sign of the latch angle} of the hinges with a law and a latch."""
     joints = run.deck.get("joints", {}).items()
     driven = ((name, d["latch"]) for name, d in joints if d.get("turning_law") and d.get("latch"))

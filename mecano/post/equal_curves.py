@@ -1,15 +1,13 @@
 """Equal curves, which would cover one another: drawn once, with all their names."""
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mecano.post.sheet import Curve, Panel
+from mecano.post.sheet import Curve, Panel
 
 LONGEST = 40  # characters of the names of equal curves in a legend
 
 
-def equal_curves(curves: "Iterable[Curve]") -> "list[list[Curve]]":
+def equal_curves(curves: Iterable[Curve]) -> list[list[Curve]]:
     """Return lists of equal curves, in the order of their first ones."""
     found: list[list[Curve]] = []
     for curve in curves:
@@ -18,7 +16,7 @@ def equal_curves(curves: "Iterable[Curve]") -> "list[list[Curve]]":
     return found
 
 
-def first_subjects(panels: "Sequence[Panel]", subjects: Iterable[str]) -> dict[str, str]:
+def first_subjects(panels: Sequence[Panel], subjects: Iterable[str]) -> dict[str, str]:
     """Return {subject: first of the ``subjects`` whose curves equal its own in all ``panels``}."""
     found: dict[str, str] = {}
     for subject in subjects:

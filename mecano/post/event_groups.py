@@ -2,18 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.element_interface import RELEASES
 from mecano.errors import name_list
 from mecano.post.quantity import Quantity, time_of
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
-    from mecano.results.reader import Event, Results
+from mecano.results.reader import Event, Results
 
 MOST_NAMES = 3  # elements named in a line
 REPEATED = 3  # least number of like groups that are merged
@@ -30,7 +27,7 @@ class Group:
     They are at one instant, except in a group made by ``repeated``, where ``times`` is the number of instants.
     """
 
-    events: "tuple[Event, ...]"
+    events: tuple[Event, ...]
     names: tuple[str, ...]
     kind: str
     times: int = 1
@@ -73,7 +70,7 @@ class Group:
         return sum(event.energy_lost for event in self.events)
 
 
-def groups(results: "Results") -> list[Group]:
+def groups(results: Results) -> list[Group]:
     """Return the events of a file as a list of Groups, in order of time."""
     within = TOGETHER * float(np.ptp(results.time)) if len(results.time) else 0.0
     found: list[tuple[str, list[tuple[Event, str]]]] = []
@@ -109,7 +106,7 @@ def _merged(own):
     return Group(events, own[0].names, own[0].kind, len(own))
 
 
-def shock_sheet(runs: "Sequence[Run]") -> Sheet:
+def shock_sheet(runs: Sequence[Run]) -> Sheet:
     """Return the Sheet of shocks: largest impulse at each instant, cumulative energy loss; its table lists all."""
     found = [(number, run, [g for g in groups(run.results) if g.is_shock]) for number, run in enumerate(runs)]
     impulses, energies = [], []

@@ -2,13 +2,10 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from mecano.errors import name_list
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
-    from mecano.results.reader import Event
+from mecano.post.runs import Run
+from mecano.results.reader import Event
 
 MOST_NAMES = 4  # elements named in an entry of the legend
 MARKERS = "v^sDoPX*<>pH"
@@ -27,7 +24,7 @@ class EventMark:
     key: str
 
 
-def event_marks(runs: "Iterable[Run]") -> tuple[EventMark, ...]:
+def event_marks(runs: Iterable[Run]) -> tuple[EventMark, ...]:
     """Return an EventMark for each event of all runs.
 
     Each event of each element has a marker, shared by elements for which it occurs at the same times. If these are too
@@ -45,7 +42,7 @@ def event_marks(runs: "Iterable[Run]") -> tuple[EventMark, ...]:
     return tuple(EventMark(*event, markers.get(key, OTHERS), key) for event, key in zip(found, keys, strict=True))
 
 
-def _named(run: "Run", event: "Event") -> tuple[str, str]:
+def _named(run: Run, event: Event) -> tuple[str, str]:
     _, name = run.results.subject(event)
     return name, event.name.replace("_", " ")
 

@@ -1,8 +1,8 @@
 """Export of results for other programs: comma-separated values, and points and cells for ParaView."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import columns_of
@@ -17,15 +17,12 @@ from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
 from mecano.results.whole_file import exists, refuse_other_than_file, refuse_present, write_csv
 
-if TYPE_CHECKING:
-    import os
-
 OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
 
 
 def export(
-    path: "str | os.PathLike[str]",
-    output: "str | os.PathLike[str] | None" = None,
+    path: str | os.PathLike[str],
+    output: str | os.PathLike[str] | None = None,
     *,
     series: Sequence[str] = (),
     vtk: bool = False,

@@ -2,15 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mecano.results.reader import Extreme
+from mecano.results.reader import Extreme
 
 ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are rounding errors
 
 
-def notable(extremes: "Mapping[str, Extreme]") -> "list[tuple[str, Extreme]]":
+def notable(extremes: Mapping[str, Extreme]) -> list[tuple[str, Extreme]]:
     """Return (name, Extreme) of all outputs, without nodes, formulas, zeros and rounding errors.
 
     Formulas are those written in place, such as the condition of a release, which results contain as differences.

@@ -1,9 +1,9 @@
 """Films of a motion, GIF, WebP or MP4: the mechanism as in pictures, seen from a fixed direction."""
 
+import os
 import subprocess
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -22,9 +22,6 @@ from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.view_direction import projection
 from mecano.results.whole_file import atomic_file, make_folder
 
-if TYPE_CHECKING:
-    import os
-
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
 SIZE, DOTS = (5.4, 3.9), 120  # inches of the largest view, per inch
@@ -37,7 +34,7 @@ COLOURS = "viridis"
 SHORTEST = np.array([0.6, 0.2])  # width over height of the view, and height over width: a strut is a line, too
 
 
-def film(path: "str | os.PathLike[str]", target: "str | os.PathLike[str]", title: str | None = None) -> Path:
+def film(path: str | os.PathLike[str], target: str | os.PathLike[str], title: str | None = None) -> Path:
     """Write the film ``target`` (.gif, .webp or .mp4) of the results file ``path``, and return its Path.
 
     Lines are coloured by stress, or otherwise by axial force, if the file has them.

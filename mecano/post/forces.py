@@ -1,14 +1,11 @@
 """Forces as arrows in space: of joints, wheels and loads, where they act, in inertial axes."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.constraints.triads import triad
-
-if TYPE_CHECKING:
-    from mecano.post.shapes import Motion
+from mecano.post.shapes import Motion
 
 
 @dataclass(frozen=True)
@@ -21,7 +18,7 @@ class Arrow:
     values: np.ndarray
 
 
-def arrows(motion: "Motion") -> list[Arrow]:
+def arrows(motion: Motion) -> list[Arrow]:
     """Return the Arrows of a Motion for the nonzero forces that kinds declare (``Display.force``)."""
     found = []
     for path, d in motion.run.pieces.items():

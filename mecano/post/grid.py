@@ -6,17 +6,14 @@ line through its points; a joint or a point mass is a vertex. Cells are hidden a
 """
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
+from mecano.post.runs import Run
 from mecano.post.shapes import BODY, GEAR, JOINT, SUPPORT, WHEEL, Motion, Shape, apart, shapes
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
 HIDDEN = "vtkGhostType"  # name of the array of VTK that hides cells, and its value (vtkDataSetAttributes::HIDDENCELL)
@@ -27,7 +24,7 @@ PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of
 NUMBERS = 2**20  # read at once from the results file, 8 MB; the data made of them are up to four times as large
 
 
-def grids_of(run: "Run") -> Iterator[Grid]:
+def grids_of(run: Run) -> Iterator[Grid]:
     """Yield the Grids of successive blocks of saved times of a run, with the same cells and names.
 
     Raises ResultsError if there is nothing to draw.
@@ -46,7 +43,7 @@ def grids_of(run: "Run") -> Iterator[Grid]:
 class _Blocks(Motion):
     """The motion at a block of ``rows``, first the start; nodes apart at any saved time are apart in all blocks."""
 
-    def __init__(self, run: "Run"):
+    def __init__(self, run: Run):
         super().__init__(run, slice(1))
         self._apart: dict[tuple[str, ...], bool] = {}
 

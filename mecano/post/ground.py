@@ -1,16 +1,14 @@
 """The ground of a wheel: its intersection with the plane of a side view, and lines on it along the path."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.constraints.ground import in_plane
 from mecano.constraints.triads import triad, unit
 from mecano.post.curve_values import curve_values
-
-if TYPE_CHECKING:
-    from mecano.schema import Values
+from mecano.schema import Values
 
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
@@ -20,7 +18,7 @@ ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to it
 
 
 def ground_line(
-    deck: Mapping[str, Any], ground: "Values", axes: Sequence[int], centre: np.ndarray, half_width: float
+    deck: Mapping[str, Any], ground: Values, axes: Sequence[int], centre: np.ndarray, half_width: float
 ) -> np.ndarray | None:
     """Return points (n, 2) of the ground below ``centre`` (3,) [m], or None if it is seen from above.
 
@@ -37,7 +35,7 @@ def ground_line(
     return _raised(deck, ground, points)[:, axes]
 
 
-def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) -> np.ndarray:
+def ground_patch(deck: Mapping[str, Any], ground: Values, points: np.ndarray) -> np.ndarray:
     """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), with a margin on all sides."""
     point, normal = plane_of(ground)
     axes = triad(normal)[:2]
@@ -52,7 +50,7 @@ def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) 
 
 
 def ground_path(
-    deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float, beyond: float
+    deck: Mapping[str, Any], ground: Values, centres: np.ndarray, radius: float, beyond: float
 ) -> np.ndarray:
     """Return the sides (2, k, 3) of a strip of ground along the path of a wheel with ``centres`` (n, 3) and ``radius``.
 
@@ -81,7 +79,7 @@ def bars_across(sides: np.ndarray, pitch: float) -> np.ndarray:
     return np.stack([np.stack([np.interp(at, way, x) for x in side.T], axis=1) for side in sides], axis=1)
 
 
-def plane_of(ground: "Values") -> tuple[np.ndarray, np.ndarray]:
+def plane_of(ground: Values) -> tuple[np.ndarray, np.ndarray]:
     """Return a point (3,) [m] of the plane of a ground, and its unit normal (3,)."""
     return np.array(ground["plane"]["point"], float), unit(ground["plane"]["normal"])
 

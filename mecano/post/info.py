@@ -2,11 +2,11 @@
 
 import json
 import math
+import os
 import shlex
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from mecano.results.lookup import similar_outputs
 from mecano.results.reader import Results, open_results
 from mecano.results.writer import WRITING
 
-if TYPE_CHECKING:
-    import os
-
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 MOST_NAMES = 6  # names listed of entries with the same outputs
@@ -34,7 +31,7 @@ RESUME = "--resume"
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
 
-def info(path: "str | os.PathLike[str]", pattern: str | None = None, events: str | None = None) -> str:
+def info(path: str | os.PathLike[str], pattern: str | None = None, events: str | None = None) -> str:
     """Return the summary of a results file or, with a ``pattern`` such as "wheel", "wheel.*" or "*", of these outputs.
 
     Similar events at one instant are merged into one line, and repeated ones too if there are many; if the lines are

@@ -1,6 +1,6 @@
 """Summary, as text, of the files of mecano that are not results of a run: modes, sweeps, responses, studies."""
 
-from typing import TYPE_CHECKING
+import os
 
 import h5py
 
@@ -9,20 +9,17 @@ from mecano.results import modes_file
 from mecano.results.modes_file import read_modes
 from mecano.results.opening import format_of, open_checked
 
-if TYPE_CHECKING:
-    import os
-
 OWN = "mecano "  # prefix of the formats of mecano
 NUMBERS = ("frequency", "natural_frequency", "damping_ratio", "real_part", "residual")
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind")
 
 
-def is_other(path: "str | os.PathLike[str]") -> bool:
+def is_other(path: str | os.PathLike[str]) -> bool:
     """Return whether mecano has written a file that is not the results file of a run."""
     return format_of(path).startswith(OWN) and format_of(path) != "mecano results"
 
 
-def info_other(path: "str | os.PathLike[str]") -> str:
+def info_other(path: str | os.PathLike[str]) -> str:
     """Return the summary of a file of modes, a sweep or a study. Raises ResultsError."""
     lines = _run(path)
     lines += _modes(read_modes(path)) if format_of(path) == modes_file.FORMAT else _contents(path)

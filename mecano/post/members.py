@@ -1,18 +1,15 @@
 """Section forces along members at one instant: the diagrams of axial force, shear, torsion and bending."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.model.mesh import divided_nodes, piece_names
 from mecano.post.panels import worth_showing
 from mecano.post.quantity import SAVED, Quantity
+from mecano.post.runs import Run
 from mecano.post.shapes import BEAM
 from mecano.post.sheet import Curve, Panel, Sheet
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 LEVEL = 1e-3  # of a section force: a smaller variation along a member is that of its own inertia
 MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
@@ -25,7 +22,7 @@ DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle
 CLEARLY = 1.05  # least ratio of the largest moment to that at the last instant for a sheet of its own
 
 
-def member_sheets(runs: "Sequence[Run]") -> list[Sheet]:
+def member_sheets(runs: Sequence[Run]) -> list[Sheet]:
     """Return the Sheets of diagrams at the last saved time and, if clearly larger, at that of the largest moment."""
     peaks = [_peak(run) for run in runs]
     if not any(row is not None for row, _, _ in peaks):

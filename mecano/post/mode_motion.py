@@ -1,6 +1,6 @@
 """The motions of modes, one after the other, as a results file, which pages and films play."""
 
-from typing import TYPE_CHECKING
+import os
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -9,14 +9,10 @@ from mecano.errors import ResultsError
 from mecano.post.deformation import quaternions
 from mecano.post.mode_shapes import NO_SHAPES, amplitude_of, named_mode
 from mecano.results.layout import Layout, Series
+from mecano.results.modes_file import ModesFile
 from mecano.results.provenance import Source
 from mecano.results.recorded import Event
 from mecano.results.writer import Writer
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.results.modes_file import ModesFile
 
 CYCLES = 2  # of each mode
 MOST, FEWEST = 48, 16  # saved instants of a mode
@@ -24,7 +20,7 @@ MOST_INSTANTS = 599  # of all modes, beside the state
 AXIS = Series("mode", "", "number of the mode, and the share of its cycles")
 
 
-def write_motions(file: "ModesFile", path: "str | os.PathLike[str]") -> None:
+def write_motions(file: ModesFile, path: str | os.PathLike[str]) -> None:
     """Write the results file of the state at "mode" 0, and of the modes with the number n from n to n + 1.
 
     Displacements have the amplitude of pictures of modes, which neither grows nor decays. Nodes inside superelements,

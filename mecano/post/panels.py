@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.plans import ON_GROUND, Plan, pictures_of
 from mecano.post.quantity import DERIVED, Quantity, find, largest, peak_of, time_of, unit_of
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel
 from mecano.results.recorded import MAGNITUDE
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 MOST = 6  # elements of one run shown together
 MOST_OF_SEVERAL = 2  # elements of each of several runs
@@ -23,7 +20,7 @@ ALIKE = 0.1  # of the range of a curve: one that differs by less from a curve sh
 NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
 
 
-def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]:
+def planned_panels(plan: Plan, runs: Sequence[Run]) -> tuple[list[Panel], str]:
     """Return the panels of a plan for the most active elements, and a note on elements omitted."""
     things = _element_paths(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
@@ -58,7 +55,7 @@ def _by_size(panel):
     return [replace(panel, curves=tuple(c for c in panel.curves if c.subject in group)) for group in groups]
 
 
-def worth_showing(panels: Sequence[Panel], runs: "Sequence[Run]") -> list[Panel]:
+def worth_showing(panels: Sequence[Panel], runs: Sequence[Run]) -> list[Panel]:
     """Return the panels without curves that are noise compared with others or with the whole motion."""
     scale: dict[str, float] = {}  # by unit
     for unit, value in (item for run in runs for item in run.scales.items()):
@@ -212,7 +209,7 @@ def _signed(run, name):
     return name if stem != name and run.results.series[stem].shape else stem
 
 
-def with_peaks(panel: Panel, runs: "Sequence[Run]") -> Panel:
+def with_peaks(panel: Panel, runs: Sequence[Run]) -> Panel:
     """Return the panel with the peaks of its curves over all accepted steps, if it is over time."""
     if not panel.over_time:
         return panel

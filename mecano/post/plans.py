@@ -5,10 +5,8 @@ A kind without a plan gets a sheet of its own with all its outputs.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
+from mecano.post.runs import Run
 
 ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # meaningful only while a wheel is in contact
 
@@ -169,7 +167,7 @@ _PLANS = (WHEELS, STRUTS, CABLES, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS,
           LOADS, SIGNALS)  # fmt: skip
 
 
-def plans(runs: "Sequence[Run]") -> list[Plan]:
+def plans(runs: Sequence[Run]) -> list[Plan]:
     """Return the plans for the kinds in the runs, with an additional one for each kind that belongs to none."""
     belonging = {path: (run, d["type"], pictures_of(run, path)) for run in runs for path, d in run.pieces.items()}
     used = {name for _, _, pictures in belonging.values() for name in pictures}
@@ -179,7 +177,7 @@ def plans(runs: "Sequence[Run]") -> list[Plan]:
     return standard + [plan for kind, (run, path) in own.items() if (plan := _own_plan(kind, run, path)).views]
 
 
-def pictures_of(run: "Run", path: str) -> tuple[str, ...]:
+def pictures_of(run: Run, path: str) -> tuple[str, ...]:
     """Return the names of the pictures to which the element, joint or load of a path belongs."""
     d, section = run.pieces[path], path.partition("/")[0]
     by_section = {"joints": ("reactions",), "loads": ("loads",), "signals": ("signals",)}.get(section, ())

@@ -5,13 +5,11 @@ A quantity of an inner node is named after its superelement: ``arm.inner.positio
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.results.reader import Results
-    from mecano.schema import Values
+from mecano.results.reader import Results
+from mecano.schema import Values
 
 
 @dataclass(frozen=True)
@@ -23,18 +21,18 @@ class Inner:
     displacements: np.ndarray  # (times, n, 3) [m], relative to the frame, in its axes
 
 
-def nodes_inside(d: "Values") -> list[str]:
+def nodes_inside(d: Values) -> list[str]:
     """Return the names of the nodes inside a superelement with these deck values; [] if its file has no shapes."""
     file = d.get("file")
     return file.get("interior_names") or [] if isinstance(file, dict) else []
 
 
-def recover(results: "Results", name: str, d: "Values") -> Inner:
+def recover(results: Results, name: str, d: Values) -> Inner:
     """Return the Inner of the superelement ``name`` with deck values ``d`` at all saved times."""
     return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values)
 
 
-def recovered(d: "Values", value: Callable[[str], np.ndarray]) -> Inner:
+def recovered(d: Values, value: Callable[[str], np.ndarray]) -> Inner:
     """Return the Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...)."""
     from scipy.spatial.transform import Rotation  # takes 0.2 s to import, and few models have superelements
 
@@ -57,7 +55,7 @@ MOTIONS = {
 }
 
 
-def named(results: "Results", name: str) -> tuple[str, str, np.ndarray, str] | None:
+def named(results: Results, name: str) -> tuple[str, str, np.ndarray, str] | None:
     """Return (path, doc, values (times, 3), component or "") of a name such as arm.inner.position.z, or None."""
     text, component = name.replace("/", ".").removeprefix("elements."), ""
     if text.endswith((".x", ".y", ".z", ".magnitude")):
@@ -79,7 +77,7 @@ def named(results: "Results", name: str) -> tuple[str, str, np.ndarray, str] | N
     return None
 
 
-def lines(d: "Values") -> list[list[int]]:
+def lines(d: Values) -> list[list[int]]:
     """Return chains of indices of nodes, boundary nodes first, that are connected in pictures."""
     pairs = d["file"].get("lines")
     if not pairs:

@@ -2,12 +2,12 @@
 
 import base64
 import io
+import os
 import re
 from collections.abc import Sequence
 from html import escape
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mecano.errors import UsageError
 from mecano.post.figure import save
@@ -19,13 +19,10 @@ from mecano.results import study_file
 from mecano.results.opening import format_of
 from mecano.results.whole_file import write_page
 
-if TYPE_CHECKING:
-    import os
-
 
 def write_report(
-    path: "str | os.PathLike[str]",
-    page: "str | os.PathLike[str]",
+    path: str | os.PathLike[str],
+    page: str | os.PathLike[str],
     title: str | None = None,
     plots: Sequence[str] = (),
     transforms: Transforms = NO_TRANSFORMS,

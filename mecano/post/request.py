@@ -3,17 +3,15 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from mecano.deck.wording import quoted
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.event_marks import event_marks
 from mecano.post.panels import with_peaks
 from mecano.post.quantity import Quantity, find, time_of
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 LONGEST_NAME = 80
 LONGEST_LABEL = 40
@@ -44,12 +42,12 @@ class Request:
         return re.sub(r"[^A-Za-z0-9_.-]+", "_", whole).strip("_")[:LONGEST_NAME] or "plot"
 
 
-def requested_sheets(plots: Iterable[str], runs: "Sequence[Run]") -> list[Sheet]:
+def requested_sheets(plots: Iterable[str], runs: Sequence[Run]) -> list[Sheet]:
     """Return the Sheets of ``plots`` "Y[,Y2]:X". Raises UsageError, UnknownNameError."""
     return [requested_sheet(Request.parse(text), runs) for text in plots]
 
 
-def requested_sheet(request: Request, runs: "Sequence[Run]") -> Sheet:
+def requested_sheet(request: Request, runs: Sequence[Run]) -> Sheet:
     """Return the Sheet of a Request. Raises UnknownNameError, UsageError, ResultsError.
 
     Runs without one of the quantities have no curve of it, which the heading says.
@@ -99,7 +97,7 @@ def _one(name, quantities):
     return quantities[0]
 
 
-def found_in(runs: "Sequence[Run]", name: str) -> list[list[Quantity]]:
+def found_in(runs: Sequence[Run], name: str) -> list[list[Quantity]]:
     """Return the Quantities of a name in each run, none where a run lacks it.
 
     Raises UnknownNameError, that of the first run, if all lack it.
@@ -117,7 +115,7 @@ def found_in(runs: "Sequence[Run]", name: str) -> list[list[Quantity]]:
     return quantities
 
 
-def lacking(quantities: Mapping[str, list[list[Quantity]]], runs: "Sequence[Run]") -> str:
+def lacking(quantities: Mapping[str, list[list[Quantity]]], runs: Sequence[Run]) -> str:
     """Return the text "; 'name' is not in run", or "", for {name: quantities of each run}."""
     texts = []
     for name, of_runs in quantities.items():
@@ -126,7 +124,7 @@ def lacking(quantities: Mapping[str, list[list[Quantity]]], runs: "Sequence[Run]
     return "".join(texts)
 
 
-def found(run: "Run", name: str) -> list[Quantity]:
+def found(run: Run, name: str) -> list[Quantity]:
     """Return the Quantities of a name in a run. Raises UnknownNameError, which names the file."""
     try:
         return find(run.results, name)

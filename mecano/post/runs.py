@@ -1,10 +1,11 @@
 """Results files shown together, each with a label that distinguishes it."""
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +14,7 @@ from mecano.deck.units import ANY, QUANTITY, converted, factor_of, is_quantity
 from mecano.element_interface import SECTIONS, Display
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.schema import Values
+from mecano.schema import Values
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
 ROUNDING = 1e-12  # of the largest energy: work of a force of rounding errors over the size of the mechanism
@@ -43,12 +40,12 @@ class Run:
         return frozenset(self.results.names())
 
     @cached_property
-    def things(self) -> "dict[str, Values]":
+    def things(self) -> dict[str, Values]:
         """Elements, joints and loads: path in the file ("joints/knee") -> deck values, in the order of the deck."""
         return {f"{section}/{name}": d for section in SECTIONS for name, d in self.deck.get(section, {}).items()}
 
     @cached_property
-    def pieces(self) -> "dict[str, Values]":
+    def pieces(self) -> dict[str, Values]:
         """The same as ``things``, with the elements of a divided member in place of the member."""
         found: dict[str, Values] = {}
         for path, d in self.things.items():
@@ -67,13 +64,13 @@ class Run:
         return np.ptp(np.stack(list(self.places.values())), axis=0)
 
     @cached_property
-    def contacts_in_planes(self) -> "dict[int, list[Values]]":
+    def contacts_in_planes(self) -> dict[int, list[Values]]:
         """Deck values of all contacts with one plane, by the ``id`` of those of each of them."""
         from mecano.post.contact_outlines import contacts_in_planes  # few models have contacts
 
         return contacts_in_planes(self.deck)
 
-    def display(self, d: "Values") -> Display:
+    def display(self, d: Values) -> Display:
         """Return the Display of the kind of an element, joint or load with the deck values ``d``."""
         return self.results.displays.get(d["type"], Display())
 
@@ -122,7 +119,7 @@ class Run:
 
 
 @contextmanager
-def opened_runs(paths: "Iterable[str | os.PathLike[str]]") -> Iterator[list[Run]]:
+def opened_runs(paths: Iterable[str | os.PathLike[str]]) -> Iterator[list[Run]]:
     """Open results files as ``open_runs`` does, and close them at the end of the block."""
     runs = open_runs(paths)
     try:
@@ -132,7 +129,7 @@ def opened_runs(paths: "Iterable[str | os.PathLike[str]]") -> Iterator[list[Run]
             run.results.close()
 
 
-def open_runs(paths: "Iterable[str | os.PathLike[str]]") -> list[Run]:
+def open_runs(paths: Iterable[str | os.PathLike[str]]) -> list[Run]:
     """Open results files and label them. Raises ResultsError, with all files closed."""
     with ExitStack() as until_all_are_open:
         opened = [until_all_are_open.enter_context(open_results(path)) for path in paths]

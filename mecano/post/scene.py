@@ -1,7 +1,7 @@
 """Scene of an animation: shapes at some saved times, values for their colours, forces, the ground."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from mecano.model.mesh import piece_names
 from mecano.post.deformation import Part, flexible_parts
 from mecano.post.forces import Arrow, arrows
 from mecano.post.ground import ground_path
+from mecano.post.runs import Run
 from mecano.post.shapes import (
     BEAM,
     BENDING,
@@ -27,9 +28,6 @@ from mecano.post.shapes import (
     wheel_of,
 )
 from mecano.post.view_direction import eye
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
 GROUND = 3.0  # sizes of the mechanism by which the ground extends beyond the path of its wheels
@@ -107,7 +105,7 @@ class Scene:
         return np.ptp(self.middle, axis=0) > FAR * self.size
 
 
-def scene_of(run: "Run", most: int) -> Scene:
+def scene_of(run: Run, most: int) -> Scene:
     """Return the Scene of a run with at most ``most`` saved times, fewer of a model of many nodes.
 
     Raises ResultsError if there is nothing to show.

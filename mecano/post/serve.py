@@ -6,6 +6,7 @@ other pages in the same browser may send requests here, but know neither.
 
 import hmac
 import json
+import os
 import secrets
 import sys
 import time
@@ -13,15 +14,12 @@ from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from mecano.errors import ResultsError
 from mecano.post.animation import page_data, page_text
 from mecano.post.runs import opened_runs
-
-if TYPE_CHECKING:
-    import os
 
 LOOPBACK = "127.0.0.1"
 SHARE = 0.1  # largest share of one processor for data that change during a run
@@ -31,7 +29,7 @@ WAITING = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" conte
 class Source:
     """Data of a page from the results file ``path``, updated when the file has changed, within SHARE of a processor."""
 
-    def __init__(self, path: "str | os.PathLike[str]", title: str | None = None, status: str | None = None):
+    def __init__(self, path: str | os.PathLike[str], title: str | None = None, status: str | None = None):
         self.path, self.title, self.status = Path(path), title, status
         self._lock, self._next = Lock(), 0.0
         self._key: list[int] = []  # the state of the file when the data were read

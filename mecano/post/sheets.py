@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +13,10 @@ from mecano.post.members import member_sheets
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
 from mecano.post.quantity import find, time_of
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.sketch import sketch
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 MOST_SKETCHES = 4  # runs sketched on one sheet
 WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
@@ -38,7 +35,7 @@ EXPLAINED = {
 }
 
 
-def default_sheets(runs: "Sequence[Run]") -> list[Sheet]:
+def default_sheets(runs: Sequence[Run]) -> list[Sheet]:
     """Return all sheets of these runs, the sketches of the mechanism first."""
     planned = [_planned(plan, runs) for plan in plans(runs)]
     sheets = [

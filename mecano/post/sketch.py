@@ -2,16 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.ground import ground_line, ground_patch
+from mecano.post.runs import Run
 from mecano.post.shapes import GUIDE, WHEEL, Motion, Shape, shapes, vertical, wheel_of
 from mecano.post.view_direction import eye, projection
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 MOST_ROWS = 300  # saved times considered
 INSTANTS = 7
@@ -88,7 +85,7 @@ class Sketch:
         return height / width if width > 0.0 else 1.0
 
 
-def sketch(run: "Run") -> Sketch | None:
+def sketch(run: Run) -> Sketch | None:
     """Return the Sketch of a run, or None if there is nothing to draw."""
     count = len(run.results.time)
     if not count:

@@ -10,7 +10,7 @@ the frequency is the variance.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,8 @@ from mecano.deck.wording import quoted
 from mecano.errors import UsageError
 from mecano.post.quantity import Quantity
 from mecano.post.request import GRAMMAR, Request, curve_label, found_in, lacking
+from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
-
-if TYPE_CHECKING:
-    from mecano.post.runs import Run
 
 FEWEST = 8  # least number of values
 SEGMENTS = 8  # of a density, which has a standard error of about 1/sqrt(SEGMENTS)
@@ -59,7 +57,7 @@ class Transforms(NamedTuple):
     densities: Sequence[str] = ()
     window: Window = ALL
 
-    def sheets(self, runs: "Sequence[Run]") -> list[Sheet]:
+    def sheets(self, runs: Sequence[Run]) -> list[Sheet]:
         """Return the Sheet of each of the spectra, then of the densities. Raises UsageError, UnknownNameError."""
         if self.window != ALL and not (self.spectra or self.densities):
             raise UsageError("--from, --to: only with --spectrum or --density")
@@ -70,7 +68,7 @@ class Transforms(NamedTuple):
 NO_TRANSFORMS = Transforms()
 
 
-def spectrum_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sheet:
+def spectrum_sheet(text: str, runs: Sequence[Run], window: Window = ALL) -> Sheet:
     """Return the Sheet of the amplitudes of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError.
 
     Runs without one of the quantities have no curve of it, which the heading says.
@@ -82,7 +80,7 @@ def spectrum_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sh
     return Sheet(f"spectrum_{request.name}", heading, tuple(panels), run_labels=_labels(runs))
 
 
-def density_sheet(text: str, runs: "Sequence[Run]", window: Window = ALL) -> Sheet:
+def density_sheet(text: str, runs: Sequence[Run], window: Window = ALL) -> Sheet:
     """Return the Sheet of the power spectral densities of "Y[,Y2]", as ``spectrum_sheet``."""
     request, curves, remark = _curves("density", text, runs, window, densities, FLOOR**2, _squared_per_hertz)
     panels = [

@@ -1,18 +1,14 @@
 """Numbers of a study as displayed: angles in degrees, rounding errors as zero; which cases govern an output."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.quantity import largest
 from mecano.post.style import shown_unit
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mecano.results.study_file import Column, StudyTable
+from mecano.results.study_file import Column, StudyTable
 
 NEAR = 1.0
 """Limits are drawn if they are not further from the values than this part of the span of the values and zero."""
@@ -21,7 +17,7 @@ ROUNDING = 1e-9
 symmetric landing beside that of a drift landing."""
 
 
-def displayed_outputs(table: "StudyTable") -> "tuple[Column, ...]":
+def displayed_outputs(table: StudyTable) -> tuple[Column, ...]:
     """Return the columns of the outputs of a StudyTable, with zeros in place of rounding errors."""
     outputs = table.group("outputs")
     sizes: dict[str, float] = {}  # by unit
@@ -44,7 +40,7 @@ def study_unit(unit: str, values: np.ndarray) -> tuple[float, str]:
     return math.radians(factor), shown
 
 
-def severity(output: "Column") -> np.ndarray:
+def severity(output: Column) -> np.ndarray:
     """Return numbers (n,), the larger the more a case governs an output; nan of a missing value.
 
     They are the magnitudes; of an output with a single limit the values on the side of this limit.
@@ -55,12 +51,12 @@ def severity(output: "Column") -> np.ndarray:
     return -output.values if upper is None else output.values
 
 
-def heading_of(table: "StudyTable", outputs: "Sequence[Column]") -> str:
+def heading_of(table: StudyTable, outputs: Sequence[Column]) -> str:
     """Return the heading of a picture of ``outputs``: the verdict, and what a shade means if there is any."""
     return table.verdict + "; shaded: beyond a limit" * any(near_limits(output, 1.0) for output in outputs)
 
 
-def near_limits(output: "Column", factor: float) -> list[tuple[float, float]]:
+def near_limits(output: Column, factor: float) -> list[tuple[float, float]]:
     """Return (limit over ``factor``, side beyond it: -1 or 1) of an output, of limits near enough for a picture."""
     low, high = min(0.0, np.nanmin(output.values)), max(0.0, np.nanmax(output.values))
     far = NEAR * (high - low)

@@ -1,15 +1,12 @@
 """Statistics of the outputs of a study, and their correlation with the varied values."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.report import Table, Text, number
 from mecano.post.study_outputs import displayed_outputs, study_unit
-
-if TYPE_CHECKING:
-    from mecano.results.study_file import StudyTable
+from mecano.results.study_file import StudyTable
 
 LEAST = 10  # least number of cases with a value of an output, for statistics
 CORRELATION = (
@@ -18,7 +15,7 @@ CORRELATION = (
 )
 
 
-def statistics(table: "StudyTable") -> Iterator[Table | Text]:
+def statistics(table: StudyTable) -> Iterator[Table | Text]:
     """Yield the parts of a report on the outputs of unnamed cases: mean, deviation, quantiles, rank correlations."""
     if table.named:  # chosen one by one, not samples
         return

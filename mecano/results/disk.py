@@ -23,8 +23,8 @@ import struct
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import h5py
 
@@ -33,9 +33,6 @@ from mecano.results.checksums import BLOCK, seal, seal_of
 from mecano.results.live_checksums import LiveChecksums, put
 from mecano.results.seekable import Buffer, Seekable
 from mecano.results.whole_file import atomic_file
-
-if TYPE_CHECKING:
-    from io import BytesIO
 
 PAGE = 4096
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -187,13 +184,13 @@ def atomic_hdf5_file(path: str | os.PathLike[str], begun: str | os.PathLike[str]
             raise disk.error
 
 
-def new_file(stream: "Seekable | BytesIO") -> h5py.File:
+def new_file(stream: Seekable | BytesIO) -> h5py.File:
     """Create an empty HDF5 file with a superblock that readers accept during writing, and newer formats otherwise."""
     h5py.File(stream, "w", libver=("earliest", "v110"), fs_strategy="page", fs_page_size=PAGE).close()
     return open_file(stream)
 
 
-def open_file(stream: "Seekable | BytesIO", cache_bytes: int = 2**20, cache_slots: int = 521) -> h5py.File:
+def open_file(stream: Seekable | BytesIO, cache_bytes: int = 2**20, cache_slots: int = 521) -> h5py.File:
     """Open a file of ``new_file`` for writing, with a chunk cache of the given size for each dataset."""
     return h5py.File(stream, "r+", libver=("v110", "v110"), rdcc_nbytes=cache_bytes, rdcc_nslots=cache_slots)
 

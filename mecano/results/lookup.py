@@ -4,13 +4,11 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.errors import UnknownNameError
-
-if TYPE_CHECKING:
-    from mecano.results.layout import Series
-    from mecano.results.recorded import Extreme
+from mecano.results.layout import Series
+from mecano.results.recorded import Extreme
 
 OF_ATTITUDE = ("acceleration", "specific_force", "yaw", "pitch", "roll", "attitude")  # of a node, by an element
 
@@ -66,7 +64,7 @@ class Lookup:
     series : sequence of Series
     """
 
-    def __init__(self, series: "Iterable[Series]"):
+    def __init__(self, series: Iterable[Series]):
         self._by_path = {one.path: one for one in series}
         self._by_ending: dict[str, list[Series]] = {}
         for one in series:
@@ -83,7 +81,7 @@ class Lookup:
         components = (path for one in self._by_path.values() for path in one.scalars)
         return _matching(self._by_path, dotted) or _matching(components, dotted)
 
-    def find(self, name: str) -> "tuple[Series, int | None]":
+    def find(self, name: str) -> tuple[Series, int | None]:
         """Return the series of that name, and the index of the component if one is named, otherwise None.
 
         Raises
@@ -185,7 +183,7 @@ def _split(dotted, parts):
 class Extremes(dict):
     """Extremes of numbers by path with component; ``[name]`` takes any ending of a path, as ``Results`` does."""
 
-    def __init__(self, extremes: "Mapping[str, Extreme]", lookup: Lookup):
+    def __init__(self, extremes: Mapping[str, Extreme], lookup: Lookup):
         super().__init__(extremes)
         self._lookup = lookup
 

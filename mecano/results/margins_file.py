@@ -1,22 +1,19 @@
 """The file of margins that `mecano margins` writes: HDF5, layout in docs/results-file.md; the loop transfer as CSV."""
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
+from mecano.results.provenance import Source
 from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, write_csv
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.results.provenance import Source
 
 FORMAT, FORMAT_VERSION = "mecano margins", 1
 LOOP = (
@@ -68,7 +65,7 @@ class MarginsFile:
     margins: dict[str, float]  # name, and name_frequency -> value
 
 
-def write_margins(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
+def write_margins(path: str | os.PathLike[str], plain: Mapping[str, Any], source: Source, *, force: bool) -> None:
     """Write the ``plain`` numbers of margins to a file that appears only when complete. Raises ResultsError.
 
     ``plain``: the texts ``about`` and ``signal``, and the mappings ``loop``, ``crossovers``, ``sample_poles`` and
@@ -84,7 +81,7 @@ def write_margins(path: "str | os.PathLike[str]", plain: Mapping[str, Any], sour
         put_source(file, source, FORMAT, FORMAT_VERSION, about=plain["about"], signal=plain["signal"])
 
 
-def read_margins(path: "str | os.PathLike[str]") -> MarginsFile:
+def read_margins(path: str | os.PathLike[str]) -> MarginsFile:
     """Read a file of margins. Raises ResultsError."""
     with open_format(path, FORMAT, "a file of margins; `mecano margins` writes them") as file:
         run = file["run"].attrs
@@ -103,7 +100,7 @@ def _poles(file):
     return file["sample_poles/real_part"][:] + 1j * file["sample_poles/imaginary_part"][:]
 
 
-def write_table(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
+def write_table(path: str | os.PathLike[str], plain: Mapping[str, Any], force: bool) -> None:
     """Write the loop transfer function as CSV next to a file, a row for each frequency. Raises ResultsError."""
     write_csv(Path(path).with_suffix(".csv"), _rows(plain["loop"]), force)
 

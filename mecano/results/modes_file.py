@@ -1,10 +1,11 @@
 """The file of modes that `mecano modes` writes: HDF5, layout in docs/results-file.md."""
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,9 +17,6 @@ from mecano.results.opening import open_format
 from mecano.results.provenance import Source, read_displays
 from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source
-
-if TYPE_CHECKING:
-    import os
 
 FORMAT, FORMAT_VERSION = "mecano modes", 1
 NUMBERS = (
@@ -59,7 +57,7 @@ class ModesFile:
     released: frozenset[str]  # joints and elements that have been released in the state: "hinge 'pin'"
 
 
-def write_modes(path: "str | os.PathLike[str]", contents: Mapping[str, Any], source: Source, *, force: bool) -> None:
+def write_modes(path: str | os.PathLike[str], contents: Mapping[str, Any], source: Source, *, force: bool) -> None:
     """Write a file of modes, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
@@ -101,7 +99,7 @@ def _put(group, name, values, unit, doc, scale=None):
         dataset.dims[0].attach_scale(scale)
 
 
-def read_modes(path: "str | os.PathLike[str]") -> ModesFile:
+def read_modes(path: str | os.PathLike[str]) -> ModesFile:
     """Read a file of modes. Raises ResultsError."""
     with open_format(path, FORMAT, "a file of modes; `mecano modes` writes them") as file:
         numbers = {name: file[name][:] for name, _, _ in NUMBERS}

@@ -1,20 +1,18 @@
 """A results file opened for reading: datasets by name, read again while a running writer changes them."""
 
 import json
+import os
 import time as clocks
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import h5py
 
 from mecano.errors import ResultsError
 from mecano.results.opening import UNREADABLE, open_source, unreadable
-
-if TYPE_CHECKING:
-    import os
 
 T = TypeVar("T", dict[str, Any], list[Any])
 _ATTEMPTS = 5
@@ -31,7 +29,7 @@ class OpenedFile:
         Its bytes.
     """
 
-    def __init__(self, path: "str | os.PathLike[str]"):
+    def __init__(self, path: str | os.PathLike[str]):
         self.path = Path(path)
         self._where = self.path.absolute()  # also after os.chdir
         self._open(self.path)

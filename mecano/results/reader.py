@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +22,7 @@ from mecano.results.provenance import is_running, read_displays, start_time
 from mecano.results.reason import split_reason
 from mecano.results.recorded import MAGNITUDE, Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
-
-if TYPE_CHECKING:
-    from mecano.results.state import SavedState
+from mecano.results.state import SavedState
 
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
@@ -283,7 +281,7 @@ class Results(ByName):
         return self._file.json("deck/resumptions", list)
 
     @cached_property
-    def checkpoint(self) -> "SavedState | None":
+    def checkpoint(self) -> SavedState | None:
         """State of the last valid checkpoint whose rows are present, or None."""
         with self._file.reading("checkpoints"):
             state = latest(self._file.h5["checkpoints"])

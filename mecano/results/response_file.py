@@ -1,9 +1,10 @@
 """The file of a response that `mecano response` writes: HDF5, layout in docs/results-file.md; its table as CSV."""
 
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import h5py
 import numpy as np
@@ -11,14 +12,9 @@ import numpy as np
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
+from mecano.results.provenance import Source
 from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, refuse_present, write_csv
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Sequence
-
-    from mecano.results.provenance import Source
 
 FORMAT, FORMAT_VERSION = "mecano response", 1
 PEAKS = (
@@ -49,7 +45,7 @@ class Found(Protocol):
     input_units: tuple[str, ...]
     output_units: tuple[str, ...]
     static_gain: np.ndarray
-    peaks: "Sequence[FoundPeak]"
+    peaks: Sequence[FoundPeak]
     about: str
 
 
@@ -75,7 +71,7 @@ def ratio_unit(output: str, of_input: str) -> str:
     return " per ".join("1" if unit == "-" else unit for unit in (output, of_input))
 
 
-def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source", *, force: bool) -> None:
+def write_response(path: str | os.PathLike[str], found: Found, source: Source, *, force: bool) -> None:
     """Write a file of a response, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
@@ -110,7 +106,7 @@ def _peaks(found):
     }
 
 
-def read_response(path: "str | os.PathLike[str]") -> ResponseFile:
+def read_response(path: str | os.PathLike[str]) -> ResponseFile:
     """Read a file of a response. Raises ResultsError."""
     with open_format(path, FORMAT, "a file of a response; `mecano response` writes them") as file:
         texts = {
@@ -126,12 +122,12 @@ def read_response(path: "str | os.PathLike[str]") -> ResponseFile:
         )  # fmt: skip
 
 
-def refuse_table(path: "str | os.PathLike[str]", force: bool) -> None:
+def refuse_table(path: str | os.PathLike[str], force: bool) -> None:
     """Raise ResultsError if the table next to a file of a response exists, unless ``force``."""
     refuse_present(Path(path).with_suffix(".csv"), force)
 
 
-def write_table(path: "str | os.PathLike[str]", found: Found, force: bool) -> None:
+def write_table(path: str | os.PathLike[str], found: Found, force: bool) -> None:
     """Write the transfer functions as CSV next to a file, a row for each frequency. Raises ResultsError."""
     write_csv(Path(path).with_suffix(".csv"), _rows(found), force)
 

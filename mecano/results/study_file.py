@@ -1,11 +1,12 @@
 """The table of a study by `mecano sweep`, as HDF5 (layout in docs/studies.md) and as CSV."""
 
 import csv
+import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import h5py
 import numpy as np
@@ -15,9 +16,6 @@ from mecano.results.opening import open_format
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
 from mecano.results.whole_file import atomic_file
-
-if TYPE_CHECKING:
-    import os
 
 FORMAT, FORMAT_VERSION = "mecano study", 1
 TEXT = h5py.string_dtype()
@@ -129,7 +127,7 @@ def column(group: str, name: str, unit: str, doc: str, values: Sequence[Any], li
     return Column(group, name, unit, doc, array, limits)
 
 
-def write_study(path: "str | os.PathLike[str]", table: StudyTable) -> None:
+def write_study(path: str | os.PathLike[str], table: StudyTable) -> None:
     """Write a StudyTable to a file that appears only when complete. Raises ResultsError."""
     with atomic_hdf5_file(path) as file:
         for one in table.columns:
@@ -145,7 +143,7 @@ def write_study(path: "str | os.PathLike[str]", table: StudyTable) -> None:
         file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
 
 
-def read_study(path: "str | os.PathLike[str]") -> StudyTable:
+def read_study(path: str | os.PathLike[str]) -> StudyTable:
     """Read the StudyTable of a file. Raises ResultsError."""
     with open_format(path, FORMAT, "a table of a study") as file:
         columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
@@ -160,7 +158,7 @@ def _read(file, path):
     return Column(group, name.replace("|", "/"), dataset.attrs["units"], dataset.attrs["long_name"], values, limits)
 
 
-def write_columns(path: "str | os.PathLike[str]", table: StudyTable) -> None:
+def write_columns(path: str | os.PathLike[str], table: StudyTable) -> None:
     """Write a StudyTable as comma-separated values: a row for each case. Raises ResultsError."""
     with atomic_file(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")

@@ -1,10 +1,11 @@
 """The file of a sweep by `mecano modes --sweep`, as HDF5 (layout in docs/results-file.md) and as CSV."""
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -12,13 +13,9 @@ import numpy as np
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
+from mecano.results.provenance import Source
 from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, refuse_present, write_csv
-
-if TYPE_CHECKING:
-    import os
-
-    from mecano.results.provenance import Source
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
 MODES = (
@@ -85,7 +82,7 @@ class SweepFile:
     units: tuple[str, ...] = ()  # SI units of values, as far as sweep or deck give them, else ""
 
 
-def write_sweep(path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool) -> None:
+def write_sweep(path: str | os.PathLike[str], plain: Mapping[str, Any], source: Source, *, force: bool) -> None:
     """Write the ``plain`` arrays of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
@@ -107,7 +104,7 @@ def _fill(file, plain, source):
     put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
 
 
-def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
+def read_sweep(path: str | os.PathLike[str]) -> SweepFile:
     """Read a file of a sweep. Raises ResultsError."""
     with open_format(path, FORMAT, "a file of a sweep") as file:
         groups = {key: _columns(file.get(key, {}), columns) for key, columns in GROUPS}
@@ -126,13 +123,13 @@ def _columns(group, columns):
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
-def refuse_tables(path: "str | os.PathLike[str]", force: bool) -> None:
+def refuse_tables(path: str | os.PathLike[str], force: bool) -> None:
     """Raise ResultsError if a file with the name of a table of ``write_tables`` exists, unless ``force``."""
     for target in _tables(path):
         refuse_present(target, force)
 
 
-def write_tables(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
+def write_tables(path: str | os.PathLike[str], plain: Mapping[str, Any], force: bool) -> None:
     """Write the states as CSV, a row each, the critical values as ``..._critical.csv``, and ``..._resonances.csv``.
 
     The last is written with a rotor only. Raises ResultsError as ``write_csv``.

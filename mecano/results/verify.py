@@ -1,11 +1,12 @@
 """Verification of a results file: whether bytes have changed, and to which datasets they belong."""
 
+import os
 import zlib
 from bisect import bisect_left, bisect_right
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import h5py
+import numpy as np
 
 from mecano.errors import ResultsError, name_list
 from mecano.results.checksums import BLOCK, Seal
@@ -14,18 +15,13 @@ from mecano.results.opening import errors_as_damage, format_of, open_checked, op
 from mecano.results.reader import open_results
 from mecano.results.table import event_sum
 
-if TYPE_CHECKING:
-    import os
-
-    import numpy as np
-
 ROWS = 1024  # read at once
 MOST = 24  # datasets named: a block may hold many short ones
 LOST = "its last bytes, with the checksums, are missing or have changed"
 STRUCTURE = "metadata (names, shapes, attributes, texts of the deck)"
 
 
-def verify(path: "str | os.PathLike[str]") -> str:
+def verify(path: str | os.PathLike[str]) -> str:
     """Check every byte of a results file, and return a summary if it is intact.
 
     The file may be closed, still being written, killed or incomplete, and also hold modes, a sweep or a study. If the
@@ -79,7 +75,7 @@ def _undamaged(path, source):
         raise ResultsError(f"{reported}; {LOST}; {_checked(results)}")
 
 
-def owners(path: "str | os.PathLike[str]", blocks: "np.ndarray") -> list[str]:
+def owners(path: str | os.PathLike[str], blocks: np.ndarray) -> list[str]:
     """Return the names of datasets with bytes in the ``blocks`` (n,), in the order of the file."""
     try:
         with open_checked(path) as file:

@@ -4,9 +4,9 @@ Format VTKHDF 2.2, UnstructuredGrid with Steps: each dataset holds the values of
 connectivity never changes and is stored once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -15,9 +15,6 @@ from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.opening import open_source
 from mecano.results.table import describe, name_axes
-
-if TYPE_CHECKING:
-    import os
 
 GROUP = "VTKHDF"
 VERSION = (2, 2)  # the first version that allows other groups in the file
@@ -104,7 +101,7 @@ def _fields(grid):
             yield f"{part}/{name}", field
 
 
-def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.ndarray, *, force: bool) -> None:
+def add_grids(path: str | os.PathLike[str], grids: Iterable[Grid], times: np.ndarray, *, force: bool) -> None:
     """Add Grids to the results file ``path``, whose other data are kept; on failure the file is unchanged.
 
     ``grids`` and ``times`` as for ``write_grids``. Raises ResultsError if the group exists and ``force`` is False, if
