@@ -6,22 +6,20 @@ from contextlib import contextmanager
 from copy import deepcopy
 from datetime import date, datetime
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 import yaml
 
 from mecano.deck.check import VERSION
 from mecano.deck.compose import compose
+from mecano.deck.deck import Deck as CheckedDeck
 from mecano.deck.format import deck_error_text
 from mecano.deck.new_file import write_text
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.deck.scalar import resolved
 from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem, UsageError
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck as CheckedDeck
 
 WIDTH = 110
 
@@ -115,7 +113,7 @@ AnyDeck = AnyPath | Deck | Mapping[str, Any]
 Values = Mapping[str, Any]  # {"path.to.key": value}
 
 
-def checked_deck(deck: AnyDeck, overrides: Values | None) -> "CheckedDeck":
+def checked_deck(deck: AnyDeck, overrides: Values | None) -> CheckedDeck:
     """Return the checked deck of a path, Deck or dict; ``overrides`` {"path.to.key": value}. Raises DeckError."""
     texts = _override_texts(overrides)
     if isinstance(deck, Mapping) and not isinstance(deck, Deck):

@@ -2,26 +2,24 @@
 
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.analyses.progress import Progress, StaticProgress
+from mecano.deck.deck import Deck
 from mecano.errors import UsageError
+from mecano.process.interrupt import Interruption
 from mecano.results.file_names import refuse_other_ending
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.process.interrupt import Interruption
 
 
 def run_with_progress(
-    checked: "Deck",
+    checked: Deck,
     path: str,
     *,
     force: bool = False,
     resume: bool = False,
     checkpoint: float | None = None,
     quiet: bool = False,
-    interruption: "Interruption | None" = None,
+    interruption: Interruption | None = None,
 ) -> None:
     """Solve a checked deck and write the results file ``path``; options and errors as in ``mecano.run``."""
     refuse_other_ending(path, "`mecano export` writes columns (.csv)")

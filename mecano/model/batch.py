@@ -5,20 +5,17 @@ Joints whose parts have additional multipliers, because of an option, form a sep
 
 from collections.abc import Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.element_interface import Kind
 from mecano.immutable import mutable
 from mecano.jit.memory import LANES, lanes_dtype
+from mecano.model.instance import Instance
+from mecano.model.loop_code import Calls
 from mecano.model.loop_records import BATCH, record
-
-if TYPE_CHECKING:
-    from mecano.element_interface import Kind
-    from mecano.model.instance import Instance
-    from mecano.model.loop_code import Calls
-    from mecano.model.numbering import Numbering
-    from mecano.model.reaction_partition import ReactionPartition
+from mecano.model.numbering import Numbering
+from mecano.model.reaction_partition import ReactionPartition
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
@@ -32,7 +29,7 @@ class Batch:
     It also has the scratch arrays of the loops for one element, whose contents are not used afterwards.
     """
 
-    kind: "Kind"
+    kind: Kind
     names: list[str]  # (n,) names of the owners, from the deck
     paths: list[tuple[str, str]]  # (n,) of (path, label): section and name of the owner, suffix of the outputs
     p: np.ndarray  # (n,) records
@@ -180,14 +177,14 @@ class Batch:
         return memory
 
 
-def calling(records: np.ndarray, calls: "Calls") -> np.ndarray:
+def calling(records: np.ndarray, calls: Calls) -> np.ndarray:
     """Give records of a batch the addresses of the functions that its loop calls (Calls), and return them."""
     records["function"], records["inertia"] = calls.function, calls.inertia
     return records
 
 
 def batches(
-    instances: "Sequence[Instance]", of: "Numbering", n_slots: int, partition: "ReactionPartition", length: float
+    instances: Sequence[Instance], of: Numbering, n_slots: int, partition: ReactionPartition, length: float
 ) -> list[Batch]:
     """Return the batches in the order in which their kinds first appear; ``length`` [m] is the length scale."""
     places = _Places(of, n_slots)
@@ -211,7 +208,7 @@ def batches(
     return found
 
 
-def followers(instances: "Sequence[Instance]", batches: "Sequence[Batch]") -> np.ndarray:
+def followers(instances: Sequence[Instance], batches: Sequence[Batch]) -> np.ndarray:
     """Return (m, 2) indices into the phases of a state: instances that share a phase, and the owners of that phase.
 
     They are parts that share the phase of their owner, and sensors.
@@ -232,12 +229,12 @@ def followers(instances: "Sequence[Instance]", batches: "Sequence[Batch]") -> np
 class _Places:
     """Indices of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
 
-    def __init__(self, of: "Numbering", n_slots: int):
+    def __init__(self, of: Numbering, n_slots: int):
         self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q
         self.first_slot = n_slots - of.n_l - of.n_scalars
         self.scalar = self.row = 0
 
-    def take(self, kind: "Kind") -> tuple[list[int], list[int]]:
+    def take(self, kind: Kind) -> tuple[list[int], list[int]]:
         """Return the indices (scalars, rows) of the next instance, which is of the given kind."""
         scalars = list(range(self.scalar, self.scalar + len(kind.scalars)))
         rows = list(range(self.row, self.row + len(kind.multipliers)))

@@ -1,20 +1,17 @@
 """Elements and their parts as one list, before the numbering."""
 
 from collections.abc import Container, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.element_interface import Context, Kind
 from mecano.model.instance import Instance, Shared
+from mecano.model.mesh import Frame
 from mecano.model.model import Element, Model, title_of
 from mecano.model.wiring import wire
 
-if TYPE_CHECKING:
-    from mecano.element_interface import Context, Kind
-    from mecano.model.mesh import Frame
 
-
-def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Shared], set[tuple[str, int]]]:
+def expand(model: Model, context: Context) -> tuple[list[Instance], list[Shared], set[tuple[str, int]]]:
     """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use).
 
     Elements whose hidden outputs signals read are replaced by variants that reveal them.
@@ -33,7 +30,7 @@ def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Share
     return instances, shared, used
 
 
-def _kind_of(element: Element, frames: "Sequence[Frame]", revealed: Container[str]) -> "Kind":
+def _kind_of(element: Element, frames: Sequence[Frame], revealed: Container[str]) -> Kind:
     """Return the Kind of an element between nodes with ``frames`` at the start.
 
     It has no hidden outputs if its path is in ``revealed``.
@@ -47,7 +44,7 @@ def path_of(element: Element) -> str:
     return f"{element.kind.section}/{element.name}"
 
 
-def _listed(model: Model, context: "Context", revealed: Container[str]) -> tuple[list[Instance], list[Shared]]:
+def _listed(model: Model, context: Context, revealed: Container[str]) -> tuple[list[Instance], list[Shared]]:
     """Return (instances of elements and parts, shared unknowns); see ``expand``."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared = [], []

@@ -5,41 +5,39 @@ User-defined names contain no dot, so these names are always free.
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from mecano.element_interface import Kind
 from mecano.model.model import Element, Model, Node
-
-if TYPE_CHECKING:
-    from mecano.element_interface import Kind
-    from mecano.schema import Values
+from mecano.schema import Values
 
 Frame: TypeAlias = tuple[np.ndarray, np.ndarray]  # position (3,) [m] and orientation (3, 3) of a node
 
 
-def divides(kind: "Kind", values: "Values") -> bool:
+def divides(kind: Kind, values: Values) -> bool:
     """Return True if an element of this kind with these values is divided into several."""
     return kind.divide is not None and values["mesh"] > 1
 
 
-def inner_names(name: str, values: "Values") -> list[str]:
+def inner_names(name: str, values: Values) -> list[str]:
     """Return the names of the intermediate nodes of the member ``name``; ``values`` are its deck values."""
     return [f"{name}.{i}" for i in range(1, values.get("mesh", 1))]
 
 
-def divided_nodes(name: str, values: "Values") -> list[str]:
+def divided_nodes(name: str, values: Values) -> list[str]:
     """Return the names of all nodes of the member ``name`` from its start to its end."""
     first, second = values["nodes"]
     return [first, *inner_names(name, values), second]
 
 
-def piece_names(name: str, values: "Values") -> list[str]:
+def piece_names(name: str, values: Values) -> list[str]:
     """Return the names of the elements of the member ``name``."""
     return [f"{name}.{i}" for i in range(1, values["mesh"] + 1)] if values.get("mesh", 1) > 1 else [name]
 
 
-def place_members(members: Iterable[Element], at: dict[str, Frame]) -> "tuple[dict[str, list[Values]], list[Element]]":
+def place_members(members: Iterable[Element], at: dict[str, Frame]) -> tuple[dict[str, list[Values]], list[Element]]:
     """Divide ``members``, a list of Elements; add the intermediate nodes, name -> (x, R), to ``at``.
 
     A member may end at a node of another one. Returns {name: [values of each element]}, without members that the check

@@ -5,15 +5,13 @@ identification, Cardona, Geradin & Doan 1991, section 3.1).
 """
 
 from collections.abc import Iterable, Sequence, Set
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from mecano.element_interface import Row
 from mecano.immutable import mutable
 from mecano.jit.entry import Indices
-
-if TYPE_CHECKING:
-    from mecano.element_interface import Row
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
 SIGNAL, STATE = 5, 6  # an algebraic signal, and one whose equation gives its rate
@@ -137,7 +135,7 @@ def number(
     shared: Iterable[tuple[str, int, int]],
     fixed: Set[int],
     scalars: Sequence[tuple[EquationName, int]],
-    multipliers: "Sequence[tuple[EquationName, Row]]",
+    multipliers: Sequence[tuple[EquationName, Row]],
 ) -> Numbering:
     """Return the Numbering of all unknowns.
 

@@ -1,17 +1,15 @@
 """Monitoring of outputs during a run: limits with a warning, and ends of the range of an element."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.model.mesh import piece_names
+from mecano.model.sampler import Sampler
 from mecano.schema import Values
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from mecano.model.sampler import Sampler
 
 Watched: TypeAlias = "tuple[str, Values, str, int, Any, Any]"
 """Name and deck values of an element, its output, its column in the row, the limit or bounds, the text beyond, or the
@@ -23,7 +21,7 @@ def has_end_conditions(values: Values) -> bool:
     return any(KINDS[d["type"]].end_conditions(d) for section in SECTIONS for d in values[section].values())
 
 
-def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
+def watched_outputs(values: Values, sampler: Sampler, what: str) -> list[Watched]:
     """Return the monitored outputs of the elements with the deck values ``values``.
 
     ``what`` is "limits", "bounds" or "end_conditions". The result is a list of (name of the
@@ -49,7 +47,7 @@ def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watch
     ]
 
 
-def ended(ends: Iterable[Watched], row: "np.ndarray") -> str:
+def ended(ends: Iterable[Watched], row: np.ndarray) -> str:
     """Return a text for the first element in a row (row_size,) of the sampler that has reached its end, or ""."""
     return next((end_text(watched, row) for watched in ends if abs(row[watched[3]]) > watched[4]), "")
 

@@ -1,12 +1,10 @@
 """Forces transmitted by joints that share unknowns: weighted sums of the forces on the nodes that they join."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from mecano.model.instance import Shared
+from mecano.model.instance import Shared
 
 NEGLIGIBLE = 1e-12  # weight of a force: rounding
 
@@ -20,7 +18,7 @@ class ReactionPartition:
     divide the forces such that the sum of the squares of theirs is least.
     """
 
-    def __init__(self, shared: "Sequence[Shared]", fixed: set[int], n_slots: int):
+    def __init__(self, shared: Sequence[Shared], fixed: set[int], n_slots: int):
         self.fixed, self.n_slots = fixed, n_slots
         self.starts, self.ends = [0], [(i, j) for _, i, j, _ in shared]
         self.members: list[int] = []

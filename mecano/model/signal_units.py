@@ -6,10 +6,10 @@ signal that is added to or compared with a quantity has the unit of that quantit
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_SLOPE, OF_VALUE, VALUE
+from mecano.element_interface import Output
 from mecano.laws.formula import (
     ABS,
     ACOS,
@@ -40,15 +40,12 @@ from mecano.laws.formula import (
     read_formula,
 )
 from mecano.model.measured_outputs import measured_outputs, powers, quantities
+from mecano.model.model import Element, Model
 from mecano.model.quantity_names import resolve
 from mecano.model.sampler import NODE_OUTPUTS
 from mecano.model.unit_products import product_unit
 from mecano.model.wiring import text_of
-
-if TYPE_CHECKING:
-    from mecano.element_interface import Output
-    from mecano.model.model import Element, Model
-    from mecano.schema import Field
+from mecano.schema import Field
 
 UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number, which adopts that of a sum or comparison
@@ -59,7 +56,7 @@ OF_NO_QUANTITY = (UNKNOWN, "-", "s", "1/s", "1/s2")
 OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 
-def signal_units(model: "Model", formulas: Iterable[str] = ()) -> dict[str, str]:
+def signal_units(model: Model, formulas: Iterable[str] = ()) -> dict[str, str]:
     """Return {path: unit} of the outputs of the signals of a Model that depend on its deck.
 
     ``formulas``: paths of the formulas written in place (wiring.py).
@@ -73,7 +70,7 @@ def signal_units(model: "Model", formulas: Iterable[str] = ()) -> dict[str, str]
     return found
 
 
-def drives_with_units(model: "Model") -> "Iterator[tuple[Element, Field, str, str]]":
+def drives_with_units(model: Model) -> Iterator[tuple[Element, Field, str, str]]:
     """Yield (Element, Field, formula, unit) of the formulas of loads, set points and laws whose units are known."""
     if not _signals(model):
         return
@@ -85,7 +82,7 @@ def drives_with_units(model: "Model") -> "Iterator[tuple[Element, Field, str, st
                 yield element, field, text, unit
 
 
-def unlike_sums(model: "Model", formulas: Iterable[str]) -> tuple[list[tuple[str, str, str]], list[tuple[str, float]]]:
+def unlike_sums(model: Model, formulas: Iterable[str]) -> tuple[list[tuple[str, str, str]], list[tuple[str, float]]]:
     """Return what the ``formulas`` (texts) add or compare: quantities of two units, and angles with large numbers.
 
     These are (formula, unit, other unit), and (formula, number) of whole or half numbers beyond a turn, which look like
@@ -151,7 +148,7 @@ class _Units:
         if not known and kind.same_unit_as(d) and not kind.power_of_seconds(d):
             self._use(kind.same_unit_as(d), unit)
 
-    def of_output(self, name: str, output: "Output") -> str:
+    def of_output(self, name: str, output: Output) -> str:
         """Return the unit of an output of a signal: that of its value, of its input, or of their quotient."""
         value = self.of_signal(name)
         if output.unit not in (OF_INPUT, OF_SLOPE):

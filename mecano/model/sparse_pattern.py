@@ -1,14 +1,12 @@
 """The sparse pattern of the tangent of a model, and the places of the entries of elements in it."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from mecano.maths.distinct import distinct
-
-if TYPE_CHECKING:
-    from mecano.model.batch import Batch
+from mecano.model.batch import Batch
 
 
 class SparsePattern(NamedTuple):
@@ -19,7 +17,7 @@ class SparsePattern(NamedTuple):
     diagonal: np.ndarray  # (n,) indices of the diagonal entries
 
 
-def sparse_pattern(n: int, batches: "Sequence[Batch]") -> SparsePattern:
+def sparse_pattern(n: int, batches: Sequence[Batch]) -> SparsePattern:
     """Return the pattern of n equations, and set the ``entries`` of the batches; nnz for those of fixed unknowns."""
     codes = [np.arange(n) * (n + 1)]
     for b in batches:

@@ -1,25 +1,20 @@
 """Connect the inputs of elements to the signals, sensors and formulas that determine them."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from mecano.constraints.output_sensor import output_sensor, outputs_of, sum_of
 from mecano.constraints.sensors import NODE_SENSORS, SENSORS
-from mecano.element_interface import OwnOutput, Part
+from mecano.element_interface import Context, Kind, OwnOutput, Part
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
 from mecano.model.measured_outputs import AXES, MAGNITUDE, index_of, magnitude_of, powers
+from mecano.model.mesh import Frame
 from mecano.model.model import Model, title_of
 from mecano.model.quantity_names import resolve
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mecano.element_interface import Context, Kind
-    from mecano.model.mesh import Frame
-    from mecano.schema import Values
+from mecano.schema import Values
 
 IN_PLACE = "formulas/"  # section of the formulas that are written in place
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
@@ -35,7 +30,7 @@ def text_of(path: str) -> str:
     return path.removeprefix(IN_PLACE).replace(DIVISION, "/")
 
 
-def wire(instances: list[Instance], model: Model, context: "Context") -> set[str]:
+def wire(instances: list[Instance], model: Model, context: Context) -> set[str]:
     """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended.
 
     Return the paths of the elements whose hidden outputs are read.
@@ -49,7 +44,7 @@ def wire(instances: list[Instance], model: Model, context: "Context") -> set[str
 class _Wiring:
     """Sources of inputs: signals, sensors, formulas, own outputs."""
 
-    def __init__(self, instances: list[Instance], model: Model, context: "Context"):
+    def __init__(self, instances: list[Instance], model: Model, context: Context):
         self.instances, self.model, self.context = instances, model, context
         self.nodes = {node.name: i for i, node in enumerate(model.nodes)}
         self.elements = {(element.kind.section, element.name): element for element in model.elements}
@@ -156,7 +151,7 @@ def _sensor_of_node(what: str) -> Part:
 
 
 def _sensor_of_output(
-    kind: "Kind", output: str, values: "Values", frames: "Sequence[Frame]", context: "Context"
+    kind: Kind, output: str, values: Values, frames: Sequence[Frame], context: Context
 ) -> Part | None:
     """Return the Part of the sensor of a coordinate of an element or of its rate, at ``frames`` [(x, R)], or None."""
     for name in (output, *(o.name for o in kind.outputs if o.rate == output)):

@@ -9,10 +9,8 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
-
-if TYPE_CHECKING:
-    from types import FrameType
+from types import FrameType
+from typing import Any, TypeVar
 
 CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is checked between steps only
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGXCPU": 152, "SIGUSR1": 75}
@@ -69,7 +67,7 @@ class Interruption:
         if self._deadline < float("inf") and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
 
-    def _ask(self, number: int, frame: "FrameType | None") -> None:
+    def _ask(self, number: int, frame: FrameType | None) -> None:
         again, self._number = self._number is not None, self._number or number
         if not self._postponed:
             raise Stopped(number)  # may be lost where exceptions cannot propagate; ``wanted`` still returns True

@@ -3,20 +3,18 @@
 import os
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mecano.analyses.progress import COMPILING, StudyProgress
+from mecano.deck.deck import Deck
 from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
 from mecano.process.interrupt import Interruption, Stopped, resume_command
 from mecano.process.lifeline import popen_options
 from mecano.study.case_processes import PROGRAM
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.pool import Ended, Limits, Pool, plugin_words
+from mecano.study.read import Case
 from mecano.study.table import Table
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
-    from mecano.study.read import Case
 
 RunCases: TypeAlias = "Callable[[Folder, Sequence[Case], Ended], int | None]"
 """Runs cases; returns the number of the signal that ended them, or None"""
@@ -25,8 +23,8 @@ RunCases: TypeAlias = "Callable[[Folder, Sequence[Case], Ended], int | None]"
 class Due(NamedTuple):
     """Cases to run, and those among them that start again, whose files are removed first."""
 
-    cases: "list[Case]"
-    again: "list[Case]"
+    cases: list[Case]
+    again: list[Case]
 
 
 def due(folder: Folder, *, resume: bool = False, failed: bool = False, force: bool = False) -> Due:
@@ -51,7 +49,7 @@ def due(folder: Folder, *, resume: bool = False, failed: bool = False, force: bo
     return Due([case for case in cases if records[case.number].status not in done], again)
 
 
-def clear(folder: Folder, cases: "Sequence[Case]") -> None:
+def clear(folder: Folder, cases: Sequence[Case]) -> None:
     """Remove all files of some cases. Raises UsageError if another process runs cases of the study."""
     if cases and folder.begun():
         with folder.held():
@@ -84,7 +82,7 @@ def _compile_first(deck, announce):
 
 
 def execute(
-    deck: "Deck",
+    deck: Deck,
     folder: Folder,
     units: Mapping[str, str],
     due: Due,

@@ -8,14 +8,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mecano.errors import MecanoError, ResultsError, UsageError
 from mecano.results.lock import locked
 from mecano.results.whole_file import atomic_file, make_folder
-
-if TYPE_CHECKING:
-    from mecano.study.read import Case, Study
+from mecano.study.read import Case, Study
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 RESUMABLE = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
@@ -40,12 +37,12 @@ class Record:
 class Folder:
     """Files of a study by the number of the case: 0001.h5, 0001.log, 0001.json; and the table of all cases."""
 
-    def __init__(self, path: str | os.PathLike[str], study: "Study"):
+    def __init__(self, path: str | os.PathLike[str], study: Study):
         self.path, self.study = Path(path), study
         self.digits = max(4, len(str(len(study.cases))))
         self.table = self.path / "table.h5"
 
-    def file(self, case: "Case", ending: str) -> Path:
+    def file(self, case: Case, ending: str) -> Path:
         """Return the path of a file of a case."""
         return self.path / f"{case.number:0{self.digits}d}{ending}"
 
@@ -53,7 +50,7 @@ class Folder:
         """Return the absolute path of these files for `printf`, with a place for the number of the case."""
         return f"{self.path.absolute()}/".replace("%", "%%") + f"%0{self.digits}d{ending}"
 
-    def record(self, case: "Case") -> Record:
+    def record(self, case: Case) -> Record:
         """Return the Record of a case. Raises UsageError if it belongs to other values, ResultsError if unreadable."""
         try:
             reported = json.loads(self.file(case, ".json").read_text(encoding="utf-8"))
@@ -66,7 +63,7 @@ class Folder:
             raise UsageError(f"case {case.number} in {self.path} {OTHER_RUN}")
         return record
 
-    def write(self, case: "Case", record: Record) -> None:
+    def write(self, case: Case, record: Record) -> None:
         """Save the Record of a case."""
         with atomic_file(self.file(case, ".json")) as hidden:
             hidden.write_text(json.dumps({"run": self._run(case), "ended": asdict(record)}, indent=1) + "\n")
@@ -74,7 +71,7 @@ class Folder:
     def _run(self, case):
         return {"deck_sha256": self.study.digest, "overrides": list(self.study.overrides(case))}
 
-    def clear(self, cases: "Iterable[Case]") -> None:
+    def clear(self, cases: Iterable[Case]) -> None:
         """Remove all files of some cases."""
         for case in cases:
             for path in self._files(case):
@@ -84,7 +81,7 @@ class Folder:
         return [self.file(case, ending) for ending in (".h5", ".json", ".log")]
 
     @contextmanager
-    def set_aside(self, cases: "Iterable[Case]") -> Iterator[None]:
+    def set_aside(self, cases: Iterable[Case]) -> Iterator[None]:
         """Keep all files of some cases in the folder ``replaced`` within this block; delete them at its end.
 
         A MecanoError in the block restores them. Raises UsageError if another process runs cases.

@@ -3,24 +3,21 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.dynamic import layout_of
+from mecano.analyses.prepare import Prepared
+from mecano.deck.compose import Node
+from mecano.deck.scope import Scope
 from mecano.deck.units import UnitError, converted, is_quantity
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
+from mecano.results.reader import Results
 from mecano.results.recorded import MAGNITUDE
-
-if TYPE_CHECKING:
-    from mecano.analyses.prepare import Prepared
-    from mecano.deck.compose import Node
-    from mecano.deck.scope import Scope
-    from mecano.results.reader import Results
-    from mecano.results.study_file import Bounds
+from mecano.results.study_file import Bounds
 
 EVENT_UNITS = {"first": "s", "last": "s", "count": "-", "impulse": "N s or N m s", "energy_lost": "J"}
 SIGNS = {"largest": True, "largest_magnitude": False}  # whether the value of the largest magnitude keeps its sign
@@ -51,7 +48,7 @@ class Output:
     at_most: float | None = None
 
     @property
-    def limits(self) -> "Bounds":
+    def limits(self) -> Bounds:
         """Smallest and largest number of a case that passes, each None if it is absent."""
         return self.at_least, self.at_most
 
@@ -61,7 +58,7 @@ class Output:
         signed = ", with its sign" if SIGNS.get(self.take) else ""
         return f"{self.take.replace('_', ' ')} of {self.of or self.event}{signed}"
 
-    def value(self, results: "Results") -> tuple[float, str]:
+    def value(self, results: Results) -> tuple[float, str]:
         """Return the number and its unit from open Results; nan without such an event. Raises UnknownNameError."""
         if self.event:
             return self._of_events(self.event, results)
@@ -110,7 +107,7 @@ class Output:
 
 
 def checked_outputs(
-    outputs: Iterable[Output], prepared: "Prepared", node_of: "Callable[[str], Node]", scope: "Scope"
+    outputs: Iterable[Output], prepared: Prepared, node_of: Callable[[str], Node], scope: Scope
 ) -> None:
     """Report outputs that the model of a Prepared does not have; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)

@@ -9,16 +9,14 @@ from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from mecano.elements import plugins
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.study.case_processes import CAN_FORK, CaseProcesses, ForkedProcesses, SeparateProcesses
 from mecano.study.error_location import line_in_study
 from mecano.study.folder import COMPLETE, FAILED, RESUMABLE, STOPPED, Folder, Record
-
-if TYPE_CHECKING:
-    from mecano.study.read import Case
+from mecano.study.read import Case
 
 FEW = 4  # cases: for fewer, loading what they need once is not faster
 LOOK = 0.2  # s between two checks of memory and time
@@ -51,7 +49,7 @@ def plugin_words() -> list[str]:
     return [word for file in plugins.files() for word in ("--plugin", file)]
 
 
-def run_here(folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: Limits, jobs: int) -> int | None:
+def run_here(folder: Folder, cases: Sequence[Case], ended: Ended, *, limits: Limits, jobs: int) -> int | None:
     """Run cases on this machine, ``jobs`` in parallel; ``ended`` and the return value: see ``Pool``."""
     processes: CaseProcesses = SeparateProcesses()
     if CAN_FORK and len(cases) >= FEW:
@@ -64,7 +62,7 @@ def run_here(folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: L
 class Running:
     """A running case; ``before`` is the Record of its earlier processes."""
 
-    case: "Case"
+    case: Case
     number: int  # of its process
     before: Record
     log: Path
@@ -102,7 +100,7 @@ class Pool:
         self.received: list[int] = []  # signals that end the study
         self._forwarded = 0
 
-    def run(self, cases: "Sequence[Case]") -> int | None:
+    def run(self, cases: Sequence[Case]) -> int | None:
         """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         waiting = list(reversed(cases))
         with self._listening() as wakeup:

@@ -3,11 +3,12 @@
 import json
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.analyses.prepare import prepare
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
+from mecano.deck.deck import Deck
 from mecano.deck.read import read_deck
 from mecano.deck.scope import Scope
 from mecano.deck.source import Unreadable, read_source
@@ -18,9 +19,6 @@ from mecano.study.error_location import in_study
 from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, Entries, plain, shown
 from mecano.study.outputs import Output, checked_outputs
 from mecano.study.variation import rows_of
-
-if TYPE_CHECKING:
-    from mecano.deck.deck import Deck
 
 TRIED = 5  # cases, spread over the study, of which at least one must have a valid deck
 NOT_FINITE = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}  # as written in decks
@@ -93,7 +91,7 @@ def read_study(path: str | os.PathLike[str]) -> Study:
     return Study(str(path), source.text, values["title"], deck, digest, values["set"], cases, outputs, root)
 
 
-def try_deck(study: Study) -> "Deck":
+def try_deck(study: Study) -> Deck:
     """Check the deck of a study with the values of some cases, and the outputs; return the first valid Deck.
 
     Raises DeckError if none of these decks is valid, or an output refers to something that the model lacks.

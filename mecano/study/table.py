@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 
@@ -20,12 +20,8 @@ from mecano.results.study_file import (
     write_study,
 )  # fmt: skip
 from mecano.study.folder import COMPLETE, STATUSES, Folder, Record
+from mecano.study.read import Case
 from mecano.study.unvaried_values import unvaried_values
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from mecano.study.read import Case
 
 ENDED = (
     ("status", "", "complete, failed, stopped (--resume continues it) or waiting"),
@@ -50,7 +46,7 @@ class Table:
         self.units: dict[str, str] = {}  # of the outputs
         self.limited = tuple(output for output in self.study.outputs if output.limits != (None, None))
 
-    def take(self, case: "Case", record: Record) -> None:
+    def take(self, case: Case, record: Record) -> None:
         """Record how a case ended, and read its outputs and warnings if it is complete."""
         self.records[case.number] = record
         if record.status == COMPLETE:
@@ -77,7 +73,7 @@ class Table:
             if case.number not in self.records:
                 self.take(case, self.folder.record(case))
 
-    def written(self) -> "Path":
+    def written(self) -> Path:
         """Write table.h5 and table.csv of all cases into the folder; return the path of the latter."""
         self.gather()
         table = StudyTable(self.study.title, self.study.text, self.study.deck, tuple(self._columns()))

@@ -1,17 +1,15 @@
 """Values of the deck that a study varies, but that some of its cases do not give."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.deck.compose import Node, compose
 from mecano.deck.expressions import is_evaluated
 from mecano.deck.source import Unreadable, read_source
 from mecano.study.grammar import plain, shown
-
-if TYPE_CHECKING:
-    from mecano.study.read import Study
+from mecano.study.read import Study
 
 
-def unvaried_values(study: "Study") -> dict[str, float | str]:
+def unvaried_values(study: Study) -> dict[str, float | str]:
     """Return {path: value as in tables} of the varied values that some case does not give.
 
     Expressions are left out, because they may depend on values that vary, and so are entries of templates and includes.

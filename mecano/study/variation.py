@@ -4,24 +4,21 @@ import csv
 import math
 from collections.abc import Callable
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.compose import Node
 from mecano.deck.scalar import resolved
+from mecano.deck.scope import Scope
+from mecano.deck.source import Source
 from mecano.deck.wording import quoted
+from mecano.schema import Values
 from mecano.study.grammar import NAME, Entries, Entry, between, here, path_of
-
-if TYPE_CHECKING:
-    from mecano.deck.scope import Scope
-    from mecano.deck.source import Source
-    from mecano.schema import Values
 
 MOST = 100_000  # cases
 
 
-def rows_of(values: "Values", root: Node, source: "Callable[[str], Source | None]", scope: "Scope") -> list[Entries]:
+def rows_of(values: Values, root: Node, source: Callable[[str], Source | None], scope: Scope) -> list[Entries]:
     """Return [{path: Entry}] of all cases from the checked values of a study; the last source varies fastest.
 
     ``root`` is the tree of the study; ``source(name)`` returns the Source of a file, or None. Errors are reported to

@@ -1,13 +1,11 @@
 """A value held between two limits, with the events at which it reaches and leaves them."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import select
-
-if TYPE_CHECKING:
-    from mecano.schema import Values
+from mecano.schema import Values
 
 LOWER, WITHIN, UPPER = range(3)
 PHASES = "lower", "within", "upper"
@@ -38,6 +36,6 @@ def between_limits(what: str) -> dict[str, Any]:
     return {"phases": PHASES, "events": events, "at_start": lambda p: WITHIN}
 
 
-def limits_of(d: "Values") -> dict[str, float]:
+def limits_of(d: Values) -> dict[str, float]:
     """Return the limits of the record from the deck values ``d``, where they may be infinite."""
     return {"lower": max(d["lower"], -NONE), "upper": min(d["upper"], NONE)}
