@@ -4,6 +4,7 @@ import numpy as np
 
 SPRUNG = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
 FALLING = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+PLAY = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
 TURNING_SPRUNG = {"turning_law": SPRUNG, "natural_angle": 0.2}
 AXIS_1 = (0.3, -1.0, 0.5)
 RUBBING = {"coefficient": FALLING, "regularization": 0.2, "length": 0.7}

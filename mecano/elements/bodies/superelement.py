@@ -62,14 +62,10 @@ NODE_OUTPUTS = (
 )
 
 MODE_OUTPUTS = (
-    (
-        "amplitude_{}",
-        "m",
-        "amplitude of mode {}; in metres if its shape is dimensionless, as from mecano reduce",
-        "amplitude_{}_rate",
-    ),
+    ("amplitude_{}", "m", "amplitude of mode {}; in metres if its shape is dimensionless, as from mecano reduce",
+     "amplitude_{}_rate"),
     ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}", ""),
-)
+)  # fmt: skip
 
 
 @kernel

@@ -11,7 +11,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.measure import Outputs
 from mecano.constraints.joint_nodes import check_one_place, one_position, one_rotation, turned_apart
-from mecano.constraints.joint_samples import AXIS_1, SPRUNG
+from mecano.constraints.joint_samples import AXIS_1, PLAY, SPRUNG
 from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
@@ -35,7 +35,6 @@ def _put_held(p, at, F, y, i):
     put(y, i + 3, axes @ pair_moment(p, at))
 
 
-PLAY = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
 FIXED = sharing_pair(
     "fixed", __doc__,
     LowerPair(

@@ -28,7 +28,7 @@ import numpy as np
 from mecano.constraints.activation import SHIFT, with_activation
 from mecano.constraints.along_coordinate.demand import as_formula, check_alike, is_formula
 from mecano.constraints.joint_nodes import check_axis_1
-from mecano.constraints.joint_samples import two_places
+from mecano.constraints.joint_samples import PLAY
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.constraints.release import with_release
 from mecano.constraints.triads import triad
@@ -208,21 +208,10 @@ def limits(d):
     return [("rotation_vector", MOST_ROTATION, text)]
 
 
-def sample(rng):
-    """Return full matrices in the axes of a; unsymmetric damping in other axes, with laws."""
-    X, Y = rng.normal(size=(2, 6, 6))
-    law = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
-    moved = (("linear", {"slope": 0.2, "offset": 0.1}),)
-    full = {"stiffness": X @ X.T, "damping": Y @ Y.T + X - X.T}
-    nodes = two_places(rng)
-    diagonal = {"stiffness": [1, 2, 3, 4, 5, 6], "axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
-    return [
-        (full, nodes, ""),
-        ({**diagonal, "damping": 0.1 * Y @ Y.T, "laws": {"along_2": law, "about_axis": law}}, nodes, ""),
-        ({**full, "natural": {"along_1": moved, "about_2": moved}}, nodes, ""),
-        ({**full, "natural": {"along_2": "command", "about_axis": "2*command"}}, nodes, ""),
-        ({**diagonal, "laws": {"along_1": law, "about_1": law}, "natural": {"about_1": "command"}}, nodes, ""),
-    ]
+X = np.sin(np.arange(36.0) ** 2).reshape(6, 6)  # some matrix, for samples, as all that follows
+FULL = {"stiffness": X @ X.T, "damping": 3.0 * np.eye(6) + X - X.T}
+DIAGONAL = {"stiffness": [1, 2, 3, 4, 5, 6], "axis": (0.6, 0.2, 1.0), "axis_1": (0.3, -1.0, 0.5)}
+MOVED = (("linear", {"slope": 0.2, "offset": 0.1}),)
 
 
 NATURAL = (
@@ -251,7 +240,14 @@ def _bushing(set_points):
         ),
         optional=law_outputs("laws", AXES),
         parts=lambda d, nodes, context: law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context),
-        **named(prepare, check, limits, sample),
+        cases=(
+            FULL,
+            {**DIAGONAL, "damping": X.T @ X, "laws": {"along_2": PLAY, "about_axis": PLAY}},
+            {**FULL, "natural": {"along_1": MOVED, "about_2": MOVED}},
+            {**FULL, "natural": {"along_2": "command", "about_axis": "2*command"}},
+            {**DIAGONAL, "laws": {"along_1": PLAY, "about_1": PLAY}, "natural": {"about_1": "command"}},
+        ),
+        **named(prepare, check, limits),
         **_functions(set_points),
     )  # fmt: skip
 

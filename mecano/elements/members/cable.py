@@ -212,18 +212,6 @@ def without_effect(d):
         yield "damping", "with 'at_full_length: hold' the cable is not stretched"
 
 
-def sample_bar(rng):
-    """Return a heavy bar in compression, and a lumped one with a section and a growing natural length."""
-    growing = (("linear", {"slope": 0.4, "offset": 1.0}),)
-    given = {"axial_stiffness": 50.0, "mass_per_length": 2.0, "natural_length": 1.9, "damping": 0.3}
-    lumped = {
-        "E": 200.0, "area": 0.1, "natural_length": growing, "damping": 0.2, "mass_per_length": 0.7,
-        "mass_distribution": "lumped",
-    }  # fmt: skip
-    driven = {**given, "natural_length": "1.5 + command"}
-    return [(d, at_distance(rng, length), "") for d, length in ((given, 1.5), (lumped, 2.0), (driven, 1.5))]
-
-
 def sample_cable(rng):
     """Return cables: taut while it is wound up, and slack; with winder and shock in all phases."""
     d = {"axial_stiffness": 80.0, "area": 0.01, "mass_per_length": 0.5, "damping": 0.05}
@@ -297,7 +285,11 @@ _BAR = Kind(
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     inertia=line_inertia,
     measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},
-    sample=sample_bar,
+    cases=(
+        {"axial_stiffness": 50.0, "natural_length": 1.9, "pretension": 0.0},
+        {"axial_stiffness": 50.0, "pretension": 0.0},
+        {"E": 200.0, "area": 0.1, "pretension": 0.0, "mass_distribution": "lumped"},
+    ),
 )  # fmt: skip
 _TENSION_ONLY = replace(
     _BAR,

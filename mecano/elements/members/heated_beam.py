@@ -26,22 +26,12 @@ from mecano.schema import CONTINUOUS_DRIVE, Field, mapping
 CURVES = ("strain", "curvature_2", "curvature_3")
 NONE = 0.0, (("constant", {"value": 0.0}),)  # as a default is given, or read from a deck
 INPUT = 12  # local index of the first signal
-THERMAL = Field(
-    "thermal",
-    mapping(
-        *(
-            Field(name, CONTINUOUS_DRIVE, unit, what, 0.0)
-            for name, unit, what in (
-                ("strain", "-", "elongation alpha dT of the free beam"),
-                ("curvature_2", "1/m", "alpha dT/dz, curvature about axis 2"),
-                ("curvature_3", "1/m", "-alpha dT/dy, curvature about axis 3"),
-            )
-        )
-    ),
-    "-",
-    "change of the strain-free shape with the temperature; none when absent",
-    None,
+HEATING = mapping(
+    Field("strain", CONTINUOUS_DRIVE, "-", "elongation alpha dT of the free beam", 0.0),
+    Field("curvature_2", CONTINUOUS_DRIVE, "1/m", "alpha dT/dz, curvature about axis 2", 0.0),
+    Field("curvature_3", CONTINUOUS_DRIVE, "1/m", "-alpha dT/dy, curvature about axis 3", 0.0),
 )
+THERMAL = Field("thermal", HEATING, "-", "change of the strain-free shape with the temperature; none when absent", None)
 
 
 def heating(d):

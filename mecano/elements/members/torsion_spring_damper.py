@@ -28,11 +28,12 @@ from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_output
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_nodes import NODES
+from mecano.constraints.joint_samples import SPRUNG
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Measured, Output, named
+from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
@@ -46,25 +47,11 @@ def prepare(d, nodes, context):
     return law_values(ends, d["law"], d["natural_angle"], context)
 
 
-def sample(rng):
-    """Return a hinge spring with stops in each phase, and a nonlinear one with a natural angle."""
-    law = (
-        ("spring", {"stiffness": 4.0}),
-        ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}),
-        ("stop", {"stiffness": 9.0, "lower": -0.5, "upper": 0.5, "damping": 0.1}),
-    )
-    nonlinear = (
-        ("table", {"points": [[-7, -3], [0, 0], [7, 8]], "file": None, "interpolation": "cubic", "beyond": "extend"}),
-        ("damper", {"coefficient": 1.5}),
-    )
-    samples = [
-        ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, phase)
-        for phase, angle in zip(PHASES, (1.5, 0.0, -1.5), strict=True)
-    ]
-    angles = 0.7, (("linear", {"slope": 0.6, "offset": 0.3}),), "command"
-    return samples + [
-        ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": n}, 2, "between") for n in angles
-    ]
+STOPPED = (*SPRUNG, ("stop", {"stiffness": 9.0, "lower": -0.5, "upper": 0.5, "damping": 0.1}))  # of samples
+BENT = (
+    ("table", {"points": [[-7, -3], [0, 0], [7, 8]], "file": None, "interpolation": "cubic", "beyond": "extend"}),
+    ("damper", {"coefficient": 1.5}),
+)
 
 
 def _angle(d, nodes, context):
@@ -118,7 +105,8 @@ def _spring(functions):
         events=EVENTS,
         memory=("angle",),
         counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
-        **named(prepare, sample),
+        prepare=prepare,
+        cases=(*({"law": STOPPED, "natural_angle": angle} for angle in (1.5, 0.0, -1.5)), {"law": BENT}),
         measures={"angle": _angle},
     )  # fmt: skip
     return with_release(on_demand(kind, functions, "natural_angle", set_point_of_law, with_rate), "spring", (2,))
