@@ -121,12 +121,7 @@ def energy_warnings(values: Values, sampler: Sampler, extremes: Extremes, length
 
 
 def oscillation_warnings(
-    values: Values,
-    sampler: Sampler,
-    ringing: OscillationMonitor,
-    extremes: Extremes,
-    length: float,
-    mass: float,
+    values: Values, sampler: Sampler, ringing: OscillationMonitor, extremes: Extremes, length: float, mass: float
 ) -> Iterator[str]:
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
@@ -181,11 +176,7 @@ def _remedy(values):
 
 
 def limit_warnings(
-    deck: Deck,
-    sampler: Sampler,
-    extremes: Extremes,
-    places: np.ndarray | None = None,
-    where: str = "t = {:.4g} s",
+    deck: Deck, sampler: Sampler, extremes: Extremes, places: np.ndarray | None = None, where: str = "t = {:.4g} s"
 ) -> list[str]:
     """Return warnings about outputs that left the range of validity of their elements, one for those alike.
 

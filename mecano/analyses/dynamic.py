@@ -373,10 +373,7 @@ class Ongoing:
         warnings += undeveloped_friction_warnings(deck, sampler, extremes, length)
         if integrator.method.order == 2:
             warnings += yielding_warnings(integrator.system, self.state.compliance, length, sampler, extremes)
-        return [
-            *warnings,
-            *oscillation_warnings(values, sampler, recorder.ringing, extremes, length, mass),
-        ]
+        return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length, mass)]
 
     def leave(self) -> None:
         """Close the file: as complete at the end of the run, otherwise with a checkpoint."""

@@ -150,12 +150,7 @@ class Margins:
 
 
 def margins(
-    deck: Deck,
-    path: str | os.PathLike[str] | None,
-    request: LoopRequest,
-    *,
-    columns: bool = False,
-    force: bool = False,
+    deck: Deck, path: str | os.PathLike[str] | None, request: LoopRequest, *, columns: bool = False, force: bool = False
 ) -> tuple[str, Margins]:
     """Compute the Margins of a loop, write them to ``path`` unless it is None, and return (text of the table, Margins).
 

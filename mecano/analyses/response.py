@@ -14,12 +14,7 @@ from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, held_warnings, operating_point
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
-from mecano.analyses.small_motion_warnings import (
-    accuracy_warnings,
-    imbalance_warnings,
-    noticed,
-    slow_response_warnings,
-)
+from mecano.analyses.small_motion_warnings import accuracy_warnings, imbalance_warnings, noticed, slow_response_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import LinearModel, linear_model, refuse, refuse_plant, write_state_space
 from mecano.deck.deck import Deck

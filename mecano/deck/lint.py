@@ -48,11 +48,7 @@ NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that
 
 
 def suspicious(
-    values: Values,
-    root: Node,
-    used: Mapping[str, Container[str]],
-    kinds: Mapping[str, Kind],
-    varied: bool,
+    values: Values, root: Node, used: Mapping[str, Container[str]], kinds: Mapping[str, Kind], varied: bool
 ) -> list[Problem]:
     """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 

@@ -47,12 +47,7 @@ UNKNOWN_KIND = "`mecano list` lists all; name the file of a plugin by --plugin, 
 
 
 def refuse_key(
-    pair: tuple[Node, Node],
-    before: Node | None,
-    known: set[str],
-    fields: Iterable[Field],
-    field: Field,
-    scope: Scope,
+    pair: tuple[Node, Node], before: Node | None, known: set[str], fields: Iterable[Field], field: Field, scope: Scope
 ) -> str:
     """Report the unknown key of a pair (key, value); return the hint, and the key that is written in it as "mass:1".
 

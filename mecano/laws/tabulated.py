@@ -167,10 +167,7 @@ def held_ends(values):
     n, numbers = len(values["points"]), pack_table(values)
     x, slopes = numbers[HEAD : HEAD + n], numbers[HEAD + 2 * n : HEAD + 3 * n]
     holds = values["beyond"] == "hold"
-    return (
-        float(x[0]) if holds and slopes[0] else -np.inf,
-        float(x[-1]) if holds and slopes[-1] else np.inf,
-    )
+    return (float(x[0]) if holds and slopes[0] else -np.inf, float(x[-1]) if holds and slopes[-1] else np.inf)
 
 
 def table_landmarks(values):

@@ -23,14 +23,7 @@ from mecano.model.gather_scatter import (
     work,
 )
 from mecano.model.loop_records import batch_at, system_at
-from mecano.model.seeded_duals import (
-    add_columns,
-    add_dual_force,
-    gather_duals,
-    gather_motion,
-    put_derivatives,
-    seed,
-)
+from mecano.model.seeded_duals import add_columns, add_dual_force, gather_duals, gather_motion, put_derivatives, seed
 
 
 @kernel

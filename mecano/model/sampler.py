@@ -48,11 +48,7 @@ ENERGIES = (
     ("dissipated", "J", "energy dissipated since the start"),
     ("given", "J", "work done by loads and prescribed motions since the start"),
     ("total", "J", "kinetic + potential"),
-    (
-        "balance",
-        "J",
-        "kinetic + potential + dissipated - given; constant up to integration errors",
-    ),
+    ("balance", "J", "kinetic + potential + dissipated - given; constant up to integration errors"),
 )
 
 

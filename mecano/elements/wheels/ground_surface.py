@@ -40,11 +40,7 @@ def prepare_surface(ground, context):
         direction = unit(in_plane(friction["direction"], normal))
         values |= {"grip": context.laws.add(friction["factor"]), "grip_direction": direction}
     if motion:
-        values |= {
-            "moves": 1.0,
-            "belt": context.laws.add(motion["speed"]),
-            "turn": context.laws.add(motion["rate"]),
-        }
+        values |= {"moves": 1.0, "belt": context.laws.add(motion["speed"]), "turn": context.laws.add(motion["rate"])}
         if motion["direction"] is not None:
             values["belt_direction"] = unit(in_plane(motion["direction"], normal))
     centre = motion["centre"] if motion and motion["centre"] is not None else ground["plane"]["point"]

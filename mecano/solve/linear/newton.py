@@ -59,10 +59,7 @@ MESSAGES = {
     SINGULAR: "the tangent is singular",
     DIVERGES: "no convergence: corrections grow beyond the size of the mechanism",
 }
-FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {
-    NOT_FINITE: Failure.NOT_FINITE,
-    SINGULAR: Failure.SINGULAR,
-}
+FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {NOT_FINITE: Failure.NOT_FINITE, SINGULAR: Failure.SINGULAR}
 
 # Report of the iterations, a vector: their number; current forces, constraints and increment over their tolerances;
 # the largest residual before the last iteration, after it, before the first one and after that.

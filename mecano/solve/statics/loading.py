@@ -50,13 +50,7 @@ class LoadFactor:
             self.imbalance, self.hint = imbalance, STRESSED
 
     def assemble(
-        self,
-        s: State,
-        mu: float,
-        k: float = 1.0,
-        penalty: float = 0.0,
-        into: Assembly | None = None,
-        **weights: Any,
+        self, s: State, mu: float, k: float = 1.0, penalty: float = 0.0, into: Assembly | None = None, **weights: Any
     ) -> Assembly:
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity.
 

@@ -33,14 +33,7 @@ ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on th
 class Consistent:
     """The factored matrix above at one configuration, and the problems solved with it."""
 
-    def __init__(
-        self,
-        system: System,
-        linear: LinearSolver,
-        s: State,
-        length: float,
-        compliance: Compliance | None,
-    ):
+    def __init__(self, system: System, linear: LinearSolver, s: State, length: float, compliance: Compliance | None):
         """Factor at the positions of ``s`` (its a and multipliers are not used), of a mechanism of the ``length`` [m].
 
         Raises AssemblyError if the matrix is singular.

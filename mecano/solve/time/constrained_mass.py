@@ -103,11 +103,7 @@ def add_rates(m, system, bare, T):
     add_alone(m, system, loops, bare, T, m.k * m.penalty_share, 0.0, 1.0, m.penalized)
     system[0].data = own
     data, rows, columns = values_of(m), integers(m.rows, m.nnz), integers(m.columns, m.nnz)
-    by_positions, plain, penalized = (
-        floats(m.by_positions, m.nnz),
-        floats(m.plain, m.nnz),
-        floats(m.penalized, m.nnz),
-    )
+    by_positions, plain, penalized = (floats(m.by_positions, m.nnz), floats(m.plain, m.nnz), floats(m.penalized, m.nnz))
     for i in range(m.nnz):
         of_motion = plain[i] if rows[i] >= m.n_q else penalized[i] - plain[i]
         data[i] += by_positions[i] if columns[i] >= m.n_q else of_motion

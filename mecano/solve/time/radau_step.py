@@ -5,12 +5,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
-from mecano.model.assembly_driver import (
-    assemble_residual,
-    observe,
-    observe_loops,
-    residual_loops,
-)
+from mecano.model.assembly_driver import assemble_residual, observe, observe_loops, residual_loops
 from mecano.model.loop_records import SYSTEM
 from mecano.model.numbering import MASSLESS, ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
@@ -178,10 +173,7 @@ def observe_stages(w, r):
     """Write outputs and energies of the stages, and the largest of their ``unbalanced`` forces."""
     r.unbalanced = 0.0
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
-    residuals, observed = (
-        residual_loops(w),
-        observe_loops(r),
-    )
+    residuals, observed = (residual_loops(w), observe_loops(r))
     for i in range(3):
         s = stage_of(w, r, i)
         assemble_residual(residuals, system, s, 1.0, 0.0)
