@@ -65,6 +65,6 @@ def test_a_turn_that_is_not_found_is_named():
     turn = Turn(prepared.system, [0.0, 0.0, 2.5], [0.0, 1.2, 0.0])
     steady = Steady(prepared.system, prepared.length, turn)
     with pytest.raises(ConvergenceError) as info:
-        require_steady(steady, steady.begun(prepared.state), False)
+        require_steady(steady, steady.in_motion(prepared.state), False)
     assert str(info.value).startswith("no steady turn with the angular velocity [0.0, 0.0, 2.5] rad/s was found")
     assert "a drive that balances the drag in a turn" in str(info.value)

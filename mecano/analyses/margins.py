@@ -159,7 +159,7 @@ def margins(
     """
     request.check()
     with new_file(path, columns, force):
-        found = _find(deck, request)
+        found = _compute(deck, request)
         if path is not None:
             plain = contents(found)
             write_margins(path, plain, source_of(deck, warnings=found.warnings), force=force)
@@ -168,7 +168,7 @@ def margins(
     return found.text, found
 
 
-def _find(deck, request):
+def _compute(deck, request):
     """Return the Margins that answer a LoopRequest."""
     changed, (one,) = with_inputs(deck, (request.signal,), "signal")
     if not one.signal:
@@ -219,7 +219,7 @@ def _in_loops(deck, system: System, closed: Plant) -> Iterator[str]:
             yield name
 
 
-class _Found(NamedTuple):
+class _Computed(NamedTuple):
     """The fields of Margins that are numbers, the backward error, and warnings about sampled signals."""
 
     numbers: dict[str, Any]
@@ -228,7 +228,7 @@ class _Found(NamedTuple):
 
 
 def _margins(closed, loop, request, signal, samplers):
-    """Return what is _Found of a loop opened at a signal; ``samplers``: those of the closed loop, by signal."""
+    """Return the _Computed values of a loop opened at a signal; ``samplers``: those of the closed loop, by signal."""
     H, base, half = TransferFunction(loop), request.grid, np.nan
     whole = _sampled(closed, samplers)
     transfer, poles = _transfer(H, closed, signal, samplers, whole)
@@ -248,7 +248,7 @@ def _margins(closed, loop, request, signal, samplers):
         "growing": _growing(closed, loop, transfer, base, samplers, whole),
         "sample_poles": whole.poles() if isinstance(whole, SampledSystem) else np.zeros(0, complex),
     }  # fmt: skip
-    return _Found(numbers, H.error, list(_averaged(signal, samplers, transfer, whole)))
+    return _Computed(numbers, H.error, list(_averaged(signal, samplers, transfer, whole)))
 
 
 def _sampled(closed, samplers):
@@ -302,15 +302,15 @@ def _growing(closed, loop, transfer, base, samplers, whole):
     if not samplers:
         return growing_poles(closed, base[0], base[-1])
     if isinstance(whole, SampledSystem):
-        return _number_of(whole.growing(), whole)
+        return _count_of(whole.growing(), whole)
     if len(samplers) > 1 or isinstance(transfer, TransferFunction):
         return None
     open_poles, turns = growing_poles(loop, base[0], base[-1]), transfer.turns(base[0])
     return None if open_poles is None or turns is None else open_poles + turns
 
 
-def _number_of(growing, whole):
-    """Return the number of these poles, of conjugate pairs two; None if all grow more slowly than the equations change.
+def _count_of(growing, whole):
+    """Return how many poles are growing, two for a conjugate pair; None if all are slower than the equations change.
 
     At half the sampling frequency a pole is real.
     """

@@ -159,7 +159,7 @@ def _span(node, name, scope):
         return scope.refuse(node, f"{quoted(name)}: {text}")
     first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
     raw = node.value["from"][1].raw
-    return here(node, [between(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
+    return node_at(node, [node_in_unit(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
 
 
 def _range(node, name, scope):
@@ -172,7 +172,7 @@ def _range(node, name, scope):
     if text := _unlike(*(end.raw for end in node.value)):
         return scope.refuse(node, f"{quoted(name)}: {text}")
     raw = node.value[0].raw
-    return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must be ascending")
+    return node_at(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must be ascending")
 
 
 def _unlike(first, last):
@@ -181,27 +181,27 @@ def _unlike(first, last):
     return f"{first} and {last} are different quantities" if both and not alike(first, last) else ""
 
 
-def here(node: Node, value: Content, raw: str = "") -> Node:
+def node_at(node: Node, value: Content, raw: str = "") -> Node:
     """Return the node of another value at the position of ``node``; ``raw``: the written text, with its unit."""
     return Node(value, node.source, node.line, node.column, raw)
 
 
-def between(node: Node, value: float, raw: str) -> Node:
+def node_in_unit(node: Node, value: float, raw: str) -> Node:
     """Return the node of a value [SI] of a range whose end is written as ``raw``: in its unit, if it has one."""
     if not is_quantity(raw):
-        return here(node, value, raw)
+        return node_at(node, value, raw)
     _, unit = number_and_unit(raw)
-    return here(node, f"{value / converted(f'1 {unit}', ANY):.15g} {unit}", raw)
+    return node_at(node, f"{value / converted(f'1 {unit}', ANY):.15g} {unit}", raw)
 
 
-def plain(node: Node) -> Any:
+def plain_value(node: Node) -> Any:
     """Return the value of a node as plain JSON data."""
     if type(node.value) is dict:
-        return {key: plain(item) for key, (_, item) in node.value.items()}
-    return [plain(item) for item in node.value] if type(node.value) is list else node.value
+        return {key: plain_value(item) for key, (_, item) in node.value.items()}
+    return [plain_value(item) for item in node.value] if type(node.value) is list else node.value
 
 
-def shown(value: Any) -> float | str:
+def shown_value(value: Any) -> float | str:
     """Return a value as shown in tables: a quantity as a number in SI units, lists and mappings as text."""
     if type(value) is str and is_quantity(value):
         try:

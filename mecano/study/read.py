@@ -16,7 +16,7 @@ from mecano.deck.wording import similar_files
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import TEXT, Field
 from mecano.study.error_location import in_study
-from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, Entries, plain, shown
+from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, Entries, plain_value, shown_value
 from mecano.study.outputs import Output, checked_outputs
 from mecano.study.variation import rows_of
 
@@ -40,7 +40,7 @@ class Case:
     @property
     def shown(self) -> dict[str, float | str]:
         """Values as shown in tables: numbers, in SI units, and texts."""
-        return {path: shown(value) for path, value in self.values.items()}
+        return {path: shown_value(value) for path, value in self.values.items()}
 
 
 @dataclass(frozen=True)
@@ -106,13 +106,13 @@ def try_deck(study: Study) -> Deck:
 
 
 def _case(number, row):
-    given = plain(row[NAME].node) if NAME in row else None
-    name = "" if given is None else str(shown(given))
+    given = plain_value(row[NAME].node) if NAME in row else None
+    name = "" if given is None else str(shown_value(given))
     return Case(number, {path: entry for path, entry in row.items() if path != NAME}, name)
 
 
 def _plain(entries):
-    return {path: plain(entry.node) for path, entry in entries.items()}
+    return {path: plain_value(entry.node) for path, entry in entries.items()}
 
 
 def _as_yaml(value):

@@ -5,7 +5,7 @@ from typing import Any
 from mecano.deck.compose import Node, compose
 from mecano.deck.expressions import is_evaluated
 from mecano.deck.source import Unreadable, read_source
-from mecano.study.grammar import plain, shown
+from mecano.study.grammar import plain_value, shown_value
 from mecano.study.read import Study
 
 
@@ -21,7 +21,7 @@ def unvaried_values(study: Study) -> dict[str, float | str]:
         return {}
     root = compose(source, []) if source else None
     found = {path: _at(root, path.split(".")) for path in missing}
-    return {path: shown(value) for path, value in found.items() if _is_plain(value)}
+    return {path: shown_value(value) for path, value in found.items() if _is_plain(value)}
 
 
 def _at(node: Node | None, keys: list[str]) -> Any:
@@ -30,7 +30,7 @@ def _at(node: Node | None, keys: list[str]) -> Any:
         if node is None or type(node.value) is not dict or key not in node.value:
             return None
         _, node = node.value[key]
-    return None if node is None else plain(node)
+    return None if node is None else plain_value(node)
 
 
 def _is_plain(value):

@@ -13,7 +13,7 @@ from mecano.deck.scope import Scope
 from mecano.deck.source import Source
 from mecano.deck.wording import quoted
 from mecano.schema import Values
-from mecano.study.grammar import NAME, Entries, Entry, between, here, path_of
+from mecano.study.grammar import NAME, Entries, Entry, node_at, node_in_unit, path_of
 
 MOST = 100_000  # cases
 
@@ -75,7 +75,8 @@ def _hypercube(cube):
     for path, (key, node) in cube["ranges"].items():
         low, high = node.value
         places = (random.permutation(number) + random.random(number)) / number
-        columns[path] = [Entry(key, between(node, value, node.raw)) for value in (low + (high - low) * places).tolist()]
+        values = (low + (high - low) * places).tolist()
+        columns[path] = [Entry(key, node_in_unit(node, value, node.raw)) for value in values]
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
@@ -83,7 +84,7 @@ def _seeds(seeds, root):
     if seeds is None:
         return []
     _, node = root.value["seeds"][1].value["path"]
-    return [{seeds["path"]: Entry(node, here(node, seeds["first"] + i))} for i in range(seeds["number"])]
+    return [{seeds["path"]: Entry(node, node_at(node, seeds["first"] + i))} for i in range(seeds["number"])]
 
 
 def _table(name, source, scope):
@@ -104,12 +105,12 @@ def _table(name, source, scope):
                 scope.refuse(place, "the table has ';' between its columns", "write ',', and points in decimals")
                 return []
             if not head:
-                head = [here(place, path_of(here(place, cell), scope)) for cell in cells]
+                head = [node_at(place, path_of(node_at(place, cell), scope)) for cell in cells]
             elif len(cells) != len(head):
                 scope.refuse(place, f"the row has {len(cells)} columns, the first line {len(head)}")
             else:
-                entries = [Entry(key, here(place, resolved(cell), cell)) for key, cell in zip(head, cells, strict=True)]
-                rows.append({entry.key.value: entry for entry in entries})
+                values = [node_at(place, resolved(cell), cell) for cell in cells]
+                rows.append({key.value: Entry(key, value) for key, value in zip(head, values, strict=True)})
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
     if not rows and len(scope.problems) == before:

@@ -73,7 +73,7 @@ class _Vehicle:
         s.z[self.free] = self.centre + (s.z[self.free] - self.centre) @ Q.T + d * self.down
         for r in self.rotations:
             s.R[r] = Q @ s.R[r]
-        return self.steady.monitor.settle(self.steady.begun(s))
+        return self.steady.monitor.settle(self.steady.in_motion(s))
 
     def gaps(self, d, Q):
         """Return the values of the constraints on positions [m]."""

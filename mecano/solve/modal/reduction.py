@@ -62,7 +62,7 @@ def reduce(system: "System", boundary: Sequence[str], number: int | None, length
     axes = system.nodes[nodes[0]].R
     turn = sp.block_diag([axes] * (2 * len(nodes)) + [sp.eye(len(frequencies))]).tocsr()
     T = turn.T.dot(T.T).T  # columns by coordinates in the axes of the superelement
-    stiffness = _springs(K, own, len(frequencies))
+    stiffness = _boundary_stiffness(K, own, len(frequencies))
     M, C, K = (_symmetric(T.T @ (A[: system.n_q, : system.n_q] @ T)) for A in (M, C, K))
     modes = slice(6 * len(nodes), len(K))
     K[modes, : modes.start] = K[: modes.start, modes] = 0.0  # the modes do no work on the static shapes
@@ -203,7 +203,7 @@ def _positions(system, chosen, origin, axes):
     return (x - system.nodes[origin].x) @ axes
 
 
-def _springs(K, own, n_modes):
+def _boundary_stiffness(K, own, n_modes):
     """Return the stiffness (n,) of elements at the boundary coordinates, the same along all axes; 0 for modes."""
     largest = K.diagonal()[own].reshape(-1, 3).max(axis=1)
     return np.concatenate([np.repeat(largest, 3), np.zeros(n_modes)])

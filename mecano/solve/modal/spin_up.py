@@ -27,7 +27,7 @@ def spin_up(steady: "Steady", motion: "Rotation", start: "State") -> "tuple[Stat
     w = motion.w
     try:
         motion.turn(0.0 * w)
-        s = steady.begun(start)
+        s = steady.in_motion(start)
         at_start = steady.tangent(s)
         s, arrived = _follow(steady, s, lambda p: steady.release(at_start, 1.0 - p))
         if arrived and w.any():

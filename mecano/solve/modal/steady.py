@@ -92,14 +92,14 @@ class Steady:
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
-        s, arrived = self._newton(self.begun(start), HALVINGS)
+        s, arrived = self._newton(self.in_motion(start), HALVINGS)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
             start, s, arrived = self._from_below(start, s, arrived)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
-            crept = self.motion.without_drift(start, self._creep(self.begun(start)))
+            crept = self.motion.without_drift(start, self._creep(self.in_motion(start)))
             crept, settled = self._newton(crept, HALVINGS)
             if not (arrived or settled):
-                s, arrived = self._newton(self.begun(start))
+                s, arrived = self._newton(self.in_motion(start))
             better = self.motion.relaxes or self.reshaped(start, crept) < self.reshaped(start, s)
             if not arrived or (settled and better):
                 s, arrived = crept, settled
@@ -124,7 +124,7 @@ class Steady:
                 break
         return start if arrived or not lows else lows[0], s, arrived
 
-    def begun(self, start: "State") -> "State":
+    def in_motion(self, start: "State") -> "State":
         """Return a State at the positions of ``start`` with the velocities of the motion, without reactions."""
         s = self.system.bare(start)
         self.motion.begin(s)

@@ -47,7 +47,7 @@ def relax_error(work: Records(STEP)):
     if w.n_light > w.n_massless:
         w.change = change_of_others(w, light, began, ended_out)
     if largest > 0.0:
-        w.lag = remembered(largest, left_by_equations(w, light, errors))
+        w.lag = counted_error(largest, left_by_equations(w, light, errors))
 
 
 @kernel
@@ -101,7 +101,7 @@ def left_by_equations(w, light, errors_out):
 
 
 @kernel
-def remembered(error, left):
+def counted_error(error, left):
     """Return the error that counts of a local ``error`` > 0 of which the equations leave ``left``.
 
     The sum of errors that steps reduce may be IN_ALL of the tolerance, each of the others FORGOTTEN of it.
