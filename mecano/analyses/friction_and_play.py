@@ -79,7 +79,7 @@ def _play(value: Any) -> Iterator[bool]:
         is_term = len(value) == 2 and isinstance(value[0], str)
         named = [(value[0], value[1])] if is_term else [(None, part) for part in value]
     for name, part in named:
-        if name in PLAY and part:
+        if name in PLAY and part and not (name == "dead_band" and part["lower"] == part["upper"]):
             yield True
         yield from _play(part)
 
