@@ -49,9 +49,9 @@ def test_a_wheel_that_falls_over_ends_the_run(kind, tmp_path):
     with pytest.raises(ConvergenceError, match=f"{kind} '{name}' lies flat: its axis is along the normal"):
         run(fallen, path)
     results = mecano.open_results(path)
-    lean = np.abs(results[f"elements/{name}/lean"].values)
+    lean, force = (np.abs(results[f"elements/{name}/{output}"].values) for output in ("lean", "normal_force"))
     assert results.status == "failed" and "lies flat" in results.reason
-    assert lean[:-1].max() < np.arccos(0.1) and len(lean) > 20
+    assert lean[:-1][force[:-1] > 0.0].max() < np.arccos(0.1) and len(lean) > 20
 
 
 def test_a_wheel_without_slip_that_can_neither_stay_nor_leave_ends_the_run(tmp_path):
@@ -318,3 +318,53 @@ def test_a_lateral_law_has_one_form(kind, given):
     [problem] = error.value.problems
     assert "tire law 'rubber': lateral: give exactly one of 'matrices', 'moreland', 'relaxation'" in problem.message
     assert problem.message.endswith("; it has 'relaxation', 'string'" if given else "'straight_tangent'")
+
+
+@pytest.mark.parametrize("kind", ["wheel", "flexible_wheel"])
+def test_a_retracting_wheel_passes_through_lying_flat(kind, tmp_path):
+    """A strut swings its wheel to 1.7 rad in the air, past the horizontal: |s| reaches 1.
+
+    No moment about its axis acts on the wheel: its spin of 50 rad/s stays.
+    """
+    swinging = f"""
+    mecano: 1
+    gravity: none
+    nodes:
+      pin: {{position: [0, 0, 2.0]}}
+      axle: {{position: [0, 0, 1.0]}}
+      hub: {{position: [0, 0, 1.0]}}
+    elements:
+      leg: {{type: rigid_body, node: pin, mass: 10, inertia: [1, 1, 1], attached: [axle]}}
+      rim: {{type: rigid_body, node: hub, mass: 5.0, inertia: [0.2, 0.2, 0.2]}}
+      tire: {{type: {kind}, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}}
+    joints:
+      trunnion: {{type: hinge, nodes: [ground, pin], axis: [1, 0, 0]}}
+      jack: {{type: prescribed_angle, nodes: [ground, pin], axis: [1, 0, 0],
+             value: {{polynomial: [0, 1.7]}}}}
+      bearing: {{type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}}
+    tire_laws:
+      rubber: {{radius: 0.3, radial: {{linear: {{slope: 1.0e5}}}}, friction: 0.9, slip_regularization: 0.05,
+               lateral: {{relaxation: {{cornering_stiffness: 1.0e4, relaxation_length: 0.3}}}}}}
+    grounds:
+      road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+    initial:
+      velocities: [{{nodes: [hub], angular_velocity: [0, 50, 0], about: own}}]
+    time: {{end: 1.0, step: 1.0e-2}}
+    """
+    path = tmp_path / "bay.h5"
+    run(deck(swinging), path)
+    with mecano.open_results(path) as results:
+        assert results.status == "complete"
+        lean = results["elements/tire/lean"].values
+        assert np.abs(lean).max() > 1.55 and abs(lean[-1]) == pytest.approx(np.pi - 1.7, abs=1e-6)
+        np.testing.assert_allclose(results["elements/tire/spin_rate"].values, 50.0, rtol=1e-5)
+
+
+def test_a_wheel_that_starts_flat_in_the_air_is_allowed_and_one_near_the_ground_is_not():
+    start = WHEEL.replace("orientation: [-0.5, 0, 0]", "orientation: ['=-pi/2', 0, 0]")
+    start = start.replace("axis: [0, 0.877583, -0.479426]", "axis: [0, 0, -1]")
+    settings = {"kind": "flexible_wheel", "radial": "{linear: {slope: 1.0e5}}", "profile": "null"}
+    prepared = prepare(deck(start.format(height=0.61, **settings)))
+    assert prepared.system is not None
+    with pytest.raises(DeckError, match="lies flat"):
+        prepare(deck(start.format(height=0.59, **settings)))

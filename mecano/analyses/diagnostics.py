@@ -186,7 +186,7 @@ def limit_warnings(
     alike: dict[tuple[str, str, str], list[tuple[float, float, str, str]]] = {}  # value, time, element, output
 
     watched = [one for what in ("limits", "bounds") for one in watched_outputs(deck.values, sampler, what)]
-    for name, d, output, column, limit, text in watched:
+    for name, d, output, column, limit, text, _ in watched:
         i = column if places is None else np.searchsorted(places, column)
         low, high = limit if isinstance(limit, tuple) else (-limit, limit)
         beyond = [(extremes.high[i], extremes.high_time[i])] if extremes.high[i] > high else []

@@ -40,7 +40,7 @@ class Recorder:
         self.ringing = OscillationMonitor(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
         every, time = values["output"]["every"], values["time"]
         times = time["start"], time["end"], 0.0 if every == "step" else every
-        ends = [(column, size) for *_, column, size, _ in self.ends]
+        ends = [(column, required, size) for *_, column, size, _, required in self.ends]
         self.output = Output(sampler, self.observation, writer.extremes, self.ringing, times, ends)
         integrator.method.use_output(self.output)
         self._due = clock.monotonic() + INTERVAL

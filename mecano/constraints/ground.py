@@ -27,6 +27,7 @@ LEAN = Output(
     "lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t",
     geometric=True,
 )  # fmt: skip
+LYING = "lean", math.acos(LEAST_Q), "lies flat: its axis is along the normal of the ground"
 MOST_BENDS = 8
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a concave part whose radius is smaller than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
@@ -78,11 +79,17 @@ def bends(ground):
     return found
 
 
-def check_axle(ground, x, axis):
-    """Return errors in a wheel's initial position: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
+def lies_flat(normal, axis):
+    """Return whether the axis (3,) of a wheel is along the normal (3,) of the ground: it has no lowest point."""
+    return np.linalg.norm(np.cross(unit(normal), unit(axis))) < LEAST_Q
+
+
+def check_axle(ground, x, axis, clear=np.inf):
+    """Return errors in a wheel's initial position: centre ``x`` (3,) [m], direction ``axis`` (3,).
+
+    A wheel whose centre is higher than ``clear`` [m] above the ground may lie flat.
+    """
     normal = unit(ground["plane"]["normal"])
-    if np.linalg.norm(np.cross(normal, unit(axis))) < LEAST_Q:
-        return ["the wheel lies flat: its axis is along the normal of the ground"]
     arm = np.asarray(x, float) - ground["plane"]["point"]
     height, profile = normal @ arm, ground.get("profile")
     if profile:
@@ -92,6 +99,8 @@ def check_axle(ground, x, axis):
     if height <= 0.0:
         shown = ", ".join(f"{component:g}" for component in ground["plane"]["normal"])
         return [f"the wheel's centre is {abs(height):g} m below the ground, on the side away from its normal [{shown}]"]
+    if height < clear and lies_flat(normal, axis):
+        return ["the wheel lies flat: its axis is along the normal of the ground"]
     return []
 
 
@@ -122,7 +131,7 @@ def too_low(depth, lift, because=""):
 
 def end_conditions(d):
     """Return the end condition of a wheel that comes to lie flat, where its contact is undefined."""
-    return [("lean", math.acos(LEAST_Q), "lies flat: its axis is along the normal of the ground")]
+    return [LYING]
 
 
 def in_plane(direction, normal):

@@ -133,7 +133,8 @@ class DeckEntry:
     """deck values -> [(field, text)]: a warning for each value that the other values make irrelevant; why"""
     end_conditions: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value; instead of the
-    text, a function of (name of an output -> its value) that returns it"""
+    text, a function of (name of an output -> its value) that returns it; with a fourth item, an output, only where that
+    is not zero"""
     strains: tuple[float, ...] = ()
     """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
     distance of the two nodes in the deck"""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import GROUND_RECORD, end_conditions
+from mecano.constraints.ground import GROUND_RECORD, lies_flat
 from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.tread import flat_on_ground, rounded_on_ground
 from mecano.constraints.wheels import Wheel
@@ -39,6 +39,7 @@ from mecano.elements.wheels.tire_wheel import (
     TYRE_DISPLAY,
     Grip,
     check_wheel,
+    end_conditions,
     large_wheel,
     prepare_wheel,
     put_depths,
@@ -207,9 +208,9 @@ def _twist_warnings(d, nodes):
     C1 > V I alpha^2/(r^2 kap C K): docs/tyre-equations.md, Twist.
     """
     law, (node,) = d["tire_law"]["lateral"]["moreland"], nodes
-    if not law:
-        return []
     axis, normal = node.orientation.T @ d["axis"] / np.linalg.norm(d["axis"]), np.array(d["ground"]["plane"]["normal"])
+    if not law or lies_flat(normal, node.R @ axis):
+        return []
     ahead = np.cross(node.R @ axis, normal)
     along, across = abs(node.v @ ahead), abs(node.v @ np.cross(normal, ahead)) / np.linalg.norm(normal)
     speed, angle = np.hypot(along, across) / np.linalg.norm(ahead), math.atan2(across, along)
@@ -231,7 +232,12 @@ def remedies(d):
     units = {"torsional_stiffness": "N m/rad", "yaw_time": "s", "lateral_damping": "N s/m"}
     given = [(name, lateral[form][name], unit) for name, unit in units.items() if name in lateral[form]]
     found = [f"a greater 'tire_law.lateral.{form}.{name}' (now {value:g} {unit})" for name, value, unit in given]
-    return [*found, f"a greater 'tire_law.slip_regularization' (now {law['slip_regularization']:g} m/s)"]
+    return [
+        *found,
+        f"a greater 'tire_law.slip_regularization' (now {law['slip_regularization']:g} m/s)",
+        f"a greater 'tire_law.lateral.relaxation_in_air' (now {lateral['relaxation_in_air']:g} s), for a leaning wheel "
+        "that leaves the ground and meets it again at once",
+    ]
 
 
 def _sample(rng, profile, eps, phase, form):

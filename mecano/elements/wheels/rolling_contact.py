@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import end_conditions
 from mecano.constraints.torus import torus_contact
 from mecano.constraints.tread import flat, flat_on_ground, rounded, rounded_on_ground
 from mecano.constraints.wheels import Wheel, slow
@@ -25,6 +24,7 @@ from mecano.elements.wheels.tire_wheel import (
     PHASES,
     TYRE_DISPLAY,
     Grip,
+    end_conditions,
     large_wheel,
     put_depths,
     put_tire,

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
+from mecano.constraints.ground import lies_flat
 from mecano.constraints.tread import tread_above
 from mecano.constraints.triads import unit
 from mecano.elements.wheels.crown import crown_of
@@ -23,6 +24,8 @@ def start_warnings(d, nodes):
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
+    if lies_flat(normal, axis):
+        return []
     above = tread_above(ground_of(d), d["tire_law"]["radius"], crown_of(d), node.x, axis)
     moving = []
     if not ground.get("motion"):

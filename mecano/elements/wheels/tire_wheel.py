@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import check_axle, check_crown, check_ground, prepare_ground, slope_below, too_low
+from mecano.constraints.ground import LYING, check_axle, check_crown, check_ground, prepare_ground, slope_below, too_low
 from mecano.constraints.tread import tread_above
 from mecano.constraints.triads import carried_axis
 from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
@@ -25,6 +25,7 @@ from mecano.schema import TIRE_LAW, Field
 AIR, CONTACT = 0, 1
 PHASES = ("air", "contact")
 MOST_DEFORMATION = 0.5  # of the radius: initially, for a law without a range of validity
+CLEAR = 2.0  # of the radius: a wheel that starts higher may lie flat, one near the ground has a wrong axis
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
 EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground", brief=True), LIFT_OFF)
 FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
@@ -98,7 +99,7 @@ def check_wheel(d, nodes):
     if texts := check_enveloping(d):
         return check_tire_law(d["tire_law"]) + texts
     place = ground_of(d), nodes[0][0], d["axis"]
-    texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place)
+    texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place, CLEAR * d["tire_law"]["radius"])
     texts += check_crown(d["tire_law"]["radius"], crown_of(d))
     return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d, *place))
 
@@ -125,6 +126,11 @@ def range_of_law(d):
         found = table_bounds("deformation", d["tire_law"]["radial"], "the radial force")
         return [(output, high, text) for output, (_, high), text in found if high < np.inf]
     return [("deformation", valid, f"the radial law is valid up to {valid:g} m only")]
+
+
+def end_conditions(d):
+    """Return the end condition of a wheel that lies flat on the ground; in the air it may, as in a wheel bay."""
+    return [(*LYING, "deformation")]
 
 
 def large_wheel(rng, profile, eps, friction, by_speed, lateral):

@@ -25,8 +25,8 @@ end at the lift-off; no accepted step ends there. A regularized contact creeps: 
 slides at about eps T/(2 mu N).
 
 Validity: one contact; on concave ground, a radius of curvature larger than the wheel's radius; the wheel does not lie
-flat (q > 0: checked initially, finite at all times). The node is that of the wheel body: its rotation includes the spin
-of the wheel.
+flat on the ground (q > 0: checked initially, finite at all times). The node is that of the wheel body: its rotation
+includes the spin of the wheel.
 """
 
 from functools import partial

@@ -49,7 +49,8 @@ OUTPUT = fields(
     words="stage code which saved row_size n_rows rows most_rows n_steps steps most_steps row0 row1 between "
     "high high_time low low_time n_outputs outputs energy n_nodes x r rotation first n_pairs pairs n_turned turned "
     "n_geometric geometric observation "
-    "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes "
+    "n_forces columns difference signs swing swing_time largest n_ends end_columns "
+    "end_required end_sizes "
     "stages stages_words within within_words stage_rows",
     loops="observe",
 )
@@ -220,8 +221,9 @@ def monitor(o, t, row0, row):
 def ended(o, row):
     """Return the index of the first element at the end of its range, or -1."""
     columns, sizes = integers(o.end_columns, o.n_ends), floats(o.end_sizes, o.n_ends)
+    required = integers(o.end_required, o.n_ends)
     for i in range(o.n_ends):
-        if abs(row[columns[i]]) > sizes[i]:
+        if abs(row[columns[i]]) > sizes[i] and row[required[i]] != 0.0:
             return i
     return -1
 
@@ -239,7 +241,7 @@ class Output:
     times : tuple
         Start and end of the run, and the interval between saved times [s], 0 to save every step.
     ends : list
-        (column of the row, largest magnitude) at the end of the range of an element.
+        (column of the row, column that must not be zero, largest magnitude) at the end of the range of an element.
     """
 
     def __init__(
@@ -249,7 +251,7 @@ class Output:
         extremes: Extremes,
         ringing: OscillationMonitor,
         times: tuple[float, float, float],
-        ends: Sequence[tuple[int, float]],
+        ends: Sequence[tuple[int, int, float]],
     ):
         n = len(sampler.row)
         start, end, every = times
@@ -268,8 +270,9 @@ class Output:
             "swing_time": ringing.time, "largest": ringing.largest,
             "geometric": sampler.geometric, "observe_loops": observing.addresses, "observe_batches": observing.batches,
             "observation": self._within.record,
-            "end_columns": np.array([column for column, _ in ends], np.int64),
-            "end_sizes": np.array([size for _, size in ends]),
+            "end_columns": np.array([column for column, *_ in ends], np.int64),
+            "end_required": np.array([required for _, required, _ in ends], np.int64),
+            "end_sizes": np.array([size for *_, size in ends]),
         }  # fmt: skip
         self._arrays: dict[str, np.ndarray] = arrays
         self._enter_stages: Callable[[StepInfo], None] = lambda info: None
