@@ -20,7 +20,7 @@ The forces are in balance to 1e-9 of the largest one, or to the rounding of the 
 straight shaft that turns, no other forces act.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +28,7 @@ import numpy as np
 from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import Searching
+from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.linear.rounding import ROUNDING, TINY
 from mecano.solve.modal.lowered_start import lowered_starts
 from mecano.solve.modal.steadiness import require_steady
@@ -92,6 +93,7 @@ class Steady:
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
+        start = self._resting(start)
         s, arrived = self._newton(self.in_motion(start), HALVINGS)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
             start, s, arrived = self._from_below(start, s, arrived)
@@ -108,6 +110,14 @@ class Steady:
         require_steady(self, s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
         return s
+
+    def _resting(self, start):
+        """Return ``start`` with the contacts and stops closed that touch there: they open where they would pull."""
+        candidates = ImpactCandidates(self.system)
+        touching = candidates.standing_open(self.monitor.values(start) + GAP * self.length)
+        if not touching:
+            return start
+        return candidates.in_phase(replace(start, memory=self.system.commit(start)), touching, "after")
 
     def _from_below(self, start, s, arrived):
         """Return (start, state, whether it is steady) from the start lowered onto its wheels; ``s`` unless nearer.
