@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from mecano.elements import KINDS
 from mecano.post.draw_sketch import draw_sketch, hull, zigzag
-from mecano.post.ground import ground_patch
+from mecano.post.ground import ground_patch, grounds_near
 from mecano.post.mode_shapes import MOST_TURN, _title, mode_sketches
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, MASS, SPRING, SUPPORT, WHEEL, Shape
@@ -72,6 +72,15 @@ def test_the_ground_is_its_profile(runs, flat_run):
     outline = ground_patch(runs[0].deck, runs[0].deck["grounds"]["runway"], points)
     assert np.allclose(outline[:, 2], every_kind.WAVE * np.sin(np.pi * outline[:, 0]), atol=1e-12)
     assert np.all(outline.min(axis=0)[:2] < (0.0, -1.0)) and np.all(outline.max(axis=0)[:2] > (3.0, 1.0))
+
+
+def test_a_ground_far_below_is_not_near():
+    """A mechanism of 3 m is never nearer than 4.5 m to its ground, or once."""
+    deck = {"grounds": {"sea": {"plane": {"point": [0, 0, -4.6], "normal": [0, 0, 1]}}}, "elements": {}}
+    deck["elements"]["wheel"] = {"ground": "sea"}
+    points = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]], [[0.0, 0.0, 1.0], [3.0, 0.0, 1.0]]])
+    assert grounds_near(deck, points) == []
+    assert grounds_near(deck, points - [0.0, 0.0, 0.2]) == [deck["grounds"]["sea"]]
 
 
 def test_a_tyre_is_flat_on_flat_ground(path):

@@ -10,7 +10,7 @@ import numpy as np
 from mecano.errors import UsageError
 from mecano.post.draw_sketch import draw_compass, draw_patch, draw_shapes
 from mecano.post.figure import plain_figure
-from mecano.post.ground import ground_patch
+from mecano.post.ground import ground_patch, grounds_near
 from mecano.post.shapes import CABLE, GUIDE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
 from mecano.post.sketch import FLAT, plane_axes
 from mecano.post.style import INK, PALE, SETTINGS
@@ -79,23 +79,18 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
 
 def _matrix(run, shown):
     """Return the matrix (2, 3) that projects positions: from the side if all lie in a plane and none on a ground."""
-    points, gravity = np.concatenate([shape.points.reshape(-1, 3) for shape in shown]), run.deck.get("gravity")
-    extents = np.ptp(points, axis=0)
-    if extents.min() <= FLAT * extents.max() and not _grounds(run):
-        return np.eye(3)[list(plane_axes(points, gravity))]
+    points, gravity = np.concatenate([shape.points for shape in shown], axis=1), run.deck.get("gravity")
+    extents = np.ptp(points, axis=(0, 1))
+    if extents.min() <= FLAT * extents.max() and not grounds_near(run.deck, points):
+        return np.eye(3)[list(plane_axes(points.reshape(-1, 3), gravity))]
     up = vertical(gravity)
     return projection(direction(AZIMUTH, ELEVATION, up), up)
 
 
-def _grounds(run):
-    """Return the names of the grounds of a run on which something rolls or stands."""
-    return dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d)
-
-
 def _patches(run, shown, matrix, i):
     """Return the outlines (k, 2) of all grounds around the configuration ``i``."""
-    points = np.concatenate([shape.points[i] for shape in shown])
-    return [ground_patch(run.deck, run.deck["grounds"][name], points) @ matrix.T for name in _grounds(run)]
+    points = np.concatenate([shape.points for shape in shown], axis=1)
+    return [ground_patch(run.deck, ground, points[i]) @ matrix.T for ground in grounds_near(run.deck, points)]
 
 
 def _frame(points):

@@ -14,6 +14,7 @@ STEEPEST = 0.2  # component of the normal along the vertical axis below which th
 POINTS = 60
 POINTS_OF_WAY = 500
 BESIDE = 3.0  # radii on both sides of the path
+FAR = 1.5  # sizes of the mechanism: a ground that remains farther below it is not drawn
 ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to its size
 
 
@@ -33,6 +34,22 @@ def ground_line(
     points[:, right] += np.linspace(-half_width, half_width, len(points))
     points[:, up] -= (points - point) @ normal / normal[up]
     return _raised(deck, ground, points)[:, axes]
+
+
+def grounds_near(deck: Mapping[str, Any], points: np.ndarray) -> list[Values]:
+    """Return the grounds on which something rolls or stands, without those always far from ``points`` (n, k, 3) [m].
+
+    A retracting gear may be high above its runway, which would leave no room for it in a picture.
+    """
+    size = np.ptp(points, axis=1).max()
+    names = dict.fromkeys(d["ground"] for d in deck.get("elements", {}).values() if "ground" in d)
+    grounds = [deck["grounds"][name] for name in names]
+    return [one for one in grounds if _height(points, *plane_of(one)) <= FAR * size]
+
+
+def _height(points, point, normal):
+    """Return the least height [m] of ``points`` (n, k, 3) above a plane."""
+    return ((points - point) @ normal).min()
 
 
 def ground_patch(deck: Mapping[str, Any], ground: Values, points: np.ndarray) -> np.ndarray:

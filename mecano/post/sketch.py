@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.post.ground import ground_line, ground_patch
+from mecano.post.ground import ground_line, ground_patch, grounds_near
 from mecano.post.runs import Run
 from mecano.post.shapes import GUIDE, WHEEL, Motion, Shape, shapes, vertical, wheel_of
 from mecano.post.view_direction import eye, projection
@@ -187,8 +187,7 @@ def _is_upright(flat):
 
 def _patches(run, drawn, matrix, shift):
     """Yield outlines (k, 2) of the ground around the mechanism: one, or one for each instant if they are shifted."""
-    for name in dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d):
-        ground = run.deck["grounds"][name]
+    for ground in grounds_near(run.deck, np.concatenate([shape.points for shape in drawn], axis=1)):
         spans = [[i] for i in range(len(shift))] if shift.any() else [range(len(shift))]
         for span in spans:
             points = np.concatenate([s.points[i] for s in drawn for i in span])
