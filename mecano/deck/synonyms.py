@@ -102,6 +102,9 @@ gas, air spring, nitrogen -> gas_spring
 landing gear, undercarriage, bogie, drag brace, side brace, side stay, spin up, spring back, trunnion, drop test,
     crosswind -> oleo wheel drag steady place | see docs/struts.md; a brace is a bar or a rigid_rod; a bogie is a beam
     or a body with a wheel at each axle; in a crosswind give a lateral velocity in 'initial', and a drag to the airframe
+retraction, extension actuator, over centre, overcentre, toggle, down lock, downlock, up lock, uplock -> hinge.stops
+    hinge.latch line_force | an over-centre brace rests on the stop of its knee, pressed by a 'preload' in its
+    'turning_law'; a 'latch' holds the retracted leg
 load case, certification loads, ground loads -> study | the cases of a study are runs with names; its report gives the
     governing case of each output
 torque link, torque arm, scissors -> cylindrical torsion_spring_damper | its stiffness is the 'turning_law' of the
