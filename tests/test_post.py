@@ -34,7 +34,7 @@ from mecano.post.overview import PLACES, overview
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
-from mecano.post.quantity import Quantity, find, peak_of, time_of
+from mecano.post.quantity import Quantity, find, first_of_peak, peak_of, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
@@ -1008,3 +1008,12 @@ def test_signals_are_drawn_in_the_unit_of_the_deck(tmp_path):
         np.testing.assert_allclose(shown.values, np.degrees(results["hinge.angle"].values), rtol=1e-12, atol=1e-12)
         assert peak_of(results, shown) == pytest.approx((shown.values[-1], 1.0))
         assert results.resolved["signals"]["turned"]["unit"] == "deg"
+
+
+def test_the_peak_of_a_value_that_is_kept_is_where_it_is_reached():
+    """A latched angle varies by rounding: the largest of its values is anywhere, the first of them at 2 s."""
+    time, values = np.arange(6.0), np.array([0.0, 0.9, 1.0, 1.0, 1.0 + 1e-13, 1.0])
+    kept = Quantity("joints/hinge/angle", "rad", "", "saved times", time, values)
+    assert first_of_peak(kept, 1.0 + 1e-13, 4.0) == (1.0 + 1e-13, 2.0)
+    passing = replace(kept, values=np.array([0.0, 0.9, 1.0, 0.9, 1.1, 1.0]))
+    assert first_of_peak(passing, 1.15, 3.7) == (1.15, 3.7)

@@ -17,7 +17,7 @@ FAR_APART = 20.0  # ratio of magnitudes above which curves do not share a panel
 MOST_COMPARED = 8  # times the number shown: how many elements are compared with one another
 TURNS = 4.0 * np.pi  # rad; a larger angle is that of something that spins, of which the rate says more
 ALIKE = 0.1  # of the range of a curve: one that differs by less from a curve shown is shown last
-NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
+NOTHING = 1e-8  # of the largest value of the same unit: smaller values are numerical noise
 
 
 def planned_panels(plan: Plan, runs: Sequence[Run]) -> tuple[list[Panel], str]:

@@ -33,6 +33,7 @@ BY_SIGNALS = dict.fromkeys(
 ) | {"work": "the work is a signal of the type 'integrator' of the 'given_power' in the deck"}
 """Hints on quantities that only signals compute, by their last word."""
 SAVED, STEPS = "saved times", "accepted steps"
+SAME = 1e-9  # of a peak: saved values nearer to it are the peak, but for rounding
 
 
 @dataclass(frozen=True)
@@ -183,8 +184,14 @@ def peak_of(results: "Results", quantity: Quantity) -> "Peak":
         return ()
     factor /= _declared_unit(results, quantity.path)[1]
     if abs(extreme.maximum) >= abs(extreme.minimum):
-        return factor * extreme.maximum, extreme.maximum_time
-    return factor * extreme.minimum, extreme.minimum_time
+        return first_of_peak(quantity, factor * extreme.maximum, extreme.maximum_time)
+    return first_of_peak(quantity, factor * extreme.minimum, extreme.minimum_time)
+
+
+def first_of_peak(quantity: Quantity, peak: float, time: float) -> tuple[float, float]:
+    """Return a ``peak`` and its ``time`` [s]; of a value that is then kept but for rounding, the first time saved."""
+    before = quantity.time[np.abs(quantity.values - peak) <= SAME * abs(peak)]
+    return peak, min(time, float(before[0])) if len(before) else time
 
 
 def time_of(quantity: Quantity) -> Quantity:
