@@ -197,6 +197,26 @@ def test_a_mode_in_which_a_wheel_spins_shows_it_round_and_from_the_side():
     assert drawn.axes == (0, 2)
 
 
+@pytest.mark.parametrize(("direction", "in_space"), [((0.0, 0.0, 1.0), True), ((0.6, 0.8, 0.0), False)])
+def test_a_mode_across_the_plane_of_a_frame_is_seen_in_space(direction, in_space):
+    """A triangle of bars in the plane x, y, one corner of which moves."""
+    places = {"a": (0.0, 0.0, 0.0), "b": (1.0, 0.0, 0.0), "c": (0.4, 0.9, 0.0)}
+    nodes = {
+        name: {"position": np.array(x), "translation": np.zeros((1, 3), complex), "rotation": np.zeros((1, 3), complex)}
+        for name, x in places.items()
+    }
+    nodes["c"]["translation"] = np.array([direction], complex)
+    bars = {"".join(pair): {"type": "bar", "nodes": list(pair)} for pair in ("ab", "bc", "ca")}
+    file = SimpleNamespace(
+        nodes=nodes, inner={}, released=(), values=np.zeros(1), displays={"bar": SimpleNamespace(shape="line")},
+        resolved={"elements": bars, "nodes": {name: {} for name in nodes}},
+    )  # fmt: skip
+    [drawn] = mode_sketches(file)
+    assert drawn.axes == (() if in_space else (0, 1)) and (drawn.view is not None) == in_space
+    seen = np.array(direction) @ drawn.projection.T
+    assert np.linalg.norm(seen) > 0.8
+
+
 def test_the_node_that_turns_is_in_a_second_line_of_a_long_title():
     nodes = {name: {"translation": np.zeros((1, 3)), "rotation": np.ones((1, 3))} for name in ("front_right_hub",)}
     numbers = {"frequency": [27.364], "damping_ratio": [0.452]}

@@ -14,9 +14,10 @@ from mecano.errors import ResultsError
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.figure import plain_figure
 from mecano.post.runs import SECTIONS
-from mecano.post.shapes import apart, shapes
+from mecano.post.shapes import apart, shapes, vertical
 from mecano.post.sketch import Sketch
 from mecano.post.style import SETTINGS
+from mecano.post.view_direction import eye, projection
 from mecano.results.modes_file import ModesFile
 
 if TYPE_CHECKING:
@@ -125,14 +126,19 @@ def _places_and_moves(file, mode):
 
 
 def _sketch(run, file, mode):
-    """Return the Sketch of a mode in the plane of largest motion and extent."""
+    """Return the Sketch of a mode in the plane of largest motion and extent, or in space if it moves across that."""
     positions, moves = _places_and_moves(file, mode)
     amplitude = amplitude_of(file, mode)
     drawn = tuple(shapes(ModeMotion(run, file, mode, amplitude)))
     motion = [amplitude * np.abs(moves).max(axis=0), *(0.5 * np.ptp(s.points, axis=0).max(axis=0) for s in drawn)]
-    seen = _relative(np.ptp(positions, axis=0)) + MOTION_COUNTS * _relative(np.max(motion, axis=0))
-    first, second = sorted(np.argsort(-seen, kind="stable")[:2])
-    return Sketch("", (int(first), int(second)), np.degrees(PHASES), drawn, np.zeros((len(PHASES), 2)), (), ())
+    moved = np.max(motion, axis=0)
+    seen = _relative(np.ptp(positions, axis=0)) + MOTION_COUNTS * _relative(moved)
+    first, second, across = map(int, np.argsort(-seen, kind="stable"))
+    axes, view = tuple(sorted((first, second))), None
+    if moved[across] > moved[[first, second]].max():
+        up, points = vertical(file.resolved.get("gravity")), np.concatenate([s.points for s in drawn], axis=1)
+        axes, view = (), projection(eye(points, up=up), up)
+    return Sketch("", axes, np.degrees(PHASES), drawn, np.zeros((len(PHASES), 2)), (), (), view=view)
 
 
 def _relative(extents):
