@@ -111,9 +111,13 @@ def _of_interest(modes, frequency):
     chosen = ratio < -ROUNDED
     if not chosen.any():
         chosen = np.isfinite(frequency) & (ratio <= ratio.min(axis=0, initial=np.inf) + ROUNDED)
+    return frequency[chosen | _varied(ratio)].max(initial=0.0) or np.inf
+
+
+def _varied(ratio):
+    """Return where damping ratios (modes, values), inf where nothing oscillates, are low and vary over the sweep."""
     least, most = ratio.min(axis=1), np.where(np.isfinite(ratio), ratio, -np.inf).max(axis=1)
-    chosen = chosen | (ratio < LITTLE) & (most - least > CHANGES)[:, None]
-    return frequency[chosen].max(initial=0.0) or np.inf
+    return (ratio < LITTLE) & (most - least > CHANGES)[:, None]
 
 
 def _loci(file, unit, below, above):
@@ -228,7 +232,7 @@ def real_range(modes: Mapping[str, np.ndarray]) -> tuple[float, float, Sequence[
 
     Growing modes, the least stable mode at each value, and modes lightly damped at some value are within the limits,
     unless they are DEEPEST times as far from the limit of stability as the fastest growth, the least decay, or the
-    least decay of a lightly damped oscillation.
+    least decay of a lightly damped oscillation. If none grows, lightly damped modes that change are within them, too.
     """
     real, ratio = modes["real_part"], modes["damping_ratio"]
     if not np.any(np.isfinite(real)):
@@ -241,6 +245,8 @@ def real_range(modes: Mapping[str, np.ndarray]) -> tuple[float, float, Sequence[
     decays = least[np.isfinite(least)], real[oscillates & lightly]
     size = max(size, near.max(), *(-one.max() for one in decays if one.size))
     low, high = min(max(near.min(), -DEEPEST * size), -0.5 * near.max()), near.max()
+    if high <= 0.0:
+        low = min(low, real[_varied(np.where(oscillates, ratio, np.inf))].min(initial=0.0))
     if np.nanmin(real) > FAR * low:
         low = np.nanmin(real)
     margin = 0.05 * (high - low) or 1.0
