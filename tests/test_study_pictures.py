@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mecano.post.study_outputs import severity
-from mecano.post.study_plots import study_figure
+from mecano.post.study_plots import is_geometric, study_figure
 from mecano.post.study_report import study_report
 from mecano.results.study_file import Column, StudyTable, column, read_study, write_study
 
@@ -111,3 +111,18 @@ def test_numbers_of_bars_that_are_too_small_to_be_seen_are_zero():
     )
     [ax] = study_figure(StudyTable("", "", "", columns)).axes
     assert [text.get_text() for text in ax.texts] == ["-900", "0", "0.5"]
+
+
+@pytest.mark.parametrize(
+    ("values", "geometric"),
+    [([4.0, 2.0, 1.0, 0.5, 2.0], True), ([1.0, 2.0, 5.0, 10.0], True), ([1e-3, 1e-5, 1e-7], True),
+     ([1.0, 2.0, 3.0, 4.0], False), ([0.0, 1.0, 2.0, 4.0], False), ([1.0, 2.0], False), ([40.0, 50.0, 60.0], False)],
+)  # fmt: skip
+def test_values_in_a_geometric_series_have_a_logarithmic_axis(values, geometric):
+    """Steps and meshes of a study of convergence; speeds at equal distances have a linear axis."""
+    step = Column("parameters", "time.step", "s", "", np.array(values))
+    assert is_geometric(step) == geometric
+    status = column("case", "status", "", "", ["complete"] * len(values))
+    table = StudyTable("", "", "", (status, step, Column("outputs", "error", "m", "final", np.array(values) ** 2)))
+    [ax] = study_figure(table).axes
+    assert ax.get_xscale() == ("log" if geometric else "linear")

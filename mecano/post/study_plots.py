@@ -25,6 +25,7 @@ MOST_COLOURS = 8  # values of another parameter distinguished by colours
 MOST_TICKS = 5  # intervals between the numbers below a panel
 BESIDE_ONE_ANOTHER = 36  # characters of texts below a panel; more of them are turned
 IN_A_ROW = 56  # characters of a row of a legend
+SERIES, ALIKE = 1.5, 1.3  # least ratio of neighbours in a geometric series; largest over least ratio: 1, 2, 5, 10
 MOST_JOINED = 2  # number of parameters up to which dots that differ in one of them are joined by lines
 
 
@@ -72,13 +73,26 @@ def _figure(table, parameters, outputs):
 def _label_below(ax, parameter, name):
     """Label the horizontal axis of a panel by the ``name`` of its parameter; "" if a panel below it has the label."""
     ax.xaxis.set_tick_params(labelbottom=bool(name))
-    if parameter.numeric:
+    if is_geometric(parameter):
+        values = np.unique(parameter.values)
+        ax.set_xscale("log")
+        ax.set_xticks(values, [f"{value:.5g}" for value in values])
+        ax.minorticks_off()
+    elif parameter.numeric:
         ax.locator_params(axis="x", nbins=MOST_TICKS)
     elif sum(map(len, set(parameter.values))) > BESIDE_ONE_ANOTHER:
         for label in ax.get_xticklabels():
             label.set(rotation=20, ha="right", rotation_mode="anchor", fontsize=7)
     if name:
         ax.set_xlabel(with_unit(name, parameter.unit))
+
+
+def is_geometric(parameter: Column) -> bool:
+    """Return whether the values form a geometric series, such as the steps or meshes of a study of convergence."""
+    if not parameter.numeric or min(values := np.unique(parameter.values)) <= 0.0 or len(values) < 3:
+        return False
+    ratios = values[1:] / values[:-1]
+    return bool(SERIES <= ratios.min() and len(values) <= MOST_COLOURS and ratios.max() <= ALIKE * ratios.min())
 
 
 def _label_beside(ax, output):
