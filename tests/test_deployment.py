@@ -113,6 +113,34 @@ def test_other_actuators_leave_no_margin(tmp_path):
     np.testing.assert_allclose(panels[0].curves[1].y.values[1:], 0.2, rtol=0, atol=1e-4)
 
 
+def test_reaction_wheels_leave_the_margin_as_it_is(tmp_path):
+    """A wheel is spun up by a sampled torque beside the panel, and has no effect on it.
+
+    As without it: 2 (pi/2 - angle) N m against 0.5 cos(angle) N m.
+    """
+    base = input_deck("panel_lock").text
+    add = {
+        "nodes:": "  rotor: {position: [0, 0, 0]}",
+        "elements:": "  rotor: {type: rigid_body, node: rotor, mass: 1.0e-6, inertia: [1.0e-3, 1.0e-3, 1.0e-3]}",
+        "joints:": "  axle: {type: hinge, nodes: [ground, rotor], axis: [1, 0, 0]}",
+    }
+    for section, line in add.items():
+        base = base.replace(f"\n{section}\n", f"\n{section}\n{line}\n")
+    base += """
+signals: {torque: {type: sample_and_hold, input: 0.5 + 0.1*axle.angle, period: 0.1}}
+loads: {wheel: {type: joint_moment, joint: axle, value: torque}}
+"""
+    path = tmp_path / "wheel.h5"
+    run(deck(base.replace("gravity: none", "gravity: [0, -1, 0]")), path)
+    with open_results(path) as results:
+        assert results["energy.given"].values.max() > 50.0  # 100 times the work against the weight
+    torque, _ = deployment_sheet(open_runs([path])).panels
+    angle = torque.curves[0].x.values
+    motor, resisting = (curve.y.values for curve in torque.curves)
+    np.testing.assert_allclose(motor, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting, 0.5 * np.cos(angle), rtol=0, atol=5e-3)
+
+
 def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_end():
     """4 - sin(pi a / 2.6) has its least value, 3, in the middle of 40 intervals; the last two bend members."""
     angle = (np.arange(40) + 0.5) * 2.6 / 40

@@ -14,8 +14,9 @@ of a flexible structure become taut and bend, driven by its momentum as well as 
 this would hide how close the motors came to stalling earlier. For a structure that does not become taut, the smaller
 number counts.
 
-Moments and forces that other actuators apply in joints, such as those of reaction wheels, are neither: if they give
-energy there is no margin.
+Moments and forces that other actuators apply in joints are neither: if they give energy there is no margin. The motors
+of reaction wheels turn bodies that nothing else holds: what they give accelerates these, and counts neither as torque
+nor as resisting, if nothing else gives energy.
 """
 
 from collections.abc import Sequence
@@ -30,6 +31,7 @@ ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
 LATCHING = 0.05  # of the way to the first lock
 LEAST = 1e-3  # of the largest torque: less resistance is ignored; of the work of motors: so is that of actuators
+ROUGHLY = 0.05  # of the energy given: less, besides that of reaction wheels, is an error of quadrature
 LOCKED = 0.5  # value of the output 'latched' between 0 and 1
 TURNS = 0.01  # of the largest angle: motors that turn less are still held
 
@@ -98,10 +100,16 @@ def _torques(run, found):
         return None
     angle = sum(angles[name] for name in turning)
     given = _work(time, sum(_power(results, name)[rows] for name in found))
-    if _given_by_actuators(run, rows) > LEAST * np.abs(given).max():
+    spinning, others = _actuators(run)
+    if max((work.max() for work in _works(run, others, rows)), default=0.0) > LEAST * np.abs(given).max():
         return None
     energy = {name: results.find(f"energy/{name}").values[rows] for name in ("potential", "dissipated", "given")}
-    spent = given + energy["potential"] + energy["dissipated"] - energy["given"]
+    transferred = energy["given"] - sum(_works(run, spinning, rows))
+    if spinning and np.abs(energy["given"]).max() > LEAST * np.abs(given).max():
+        if np.abs(transferred).max() > ROUGHLY * np.abs(energy["given"]).max():
+            return None
+        transferred = 0.0  # the rest is the error of the quadrature of a sampled torque
+    spent = given + energy["potential"] + energy["dissipated"] - transferred
     reached = np.maximum.accumulate(angle)
     grid = np.linspace(reached[0], reached[-1], INTERVALS + 1)
     if not grid[-1] > grid[0]:
@@ -135,13 +143,32 @@ def _before_locks(results):
     return rows
 
 
-def _given_by_actuators(run, rows):
-    """Return the largest energy [J] that loads in joints have given until any of the saved times ``rows``."""
+def _actuators(run):
+    """Return the names of the loads in joints: (those that only spin a wheel, the others)."""
     loads = [
-        name for name, d in run.deck.get("loads", {}).items() if d.get("joint") and f"loads/{name}/power" in run.paths
+        (name, d["joint"])
+        for name, d in run.deck.get("loads", {}).items()
+        if d.get("joint") and f"loads/{name}/power" in run.paths
     ]
+    wheels = {joint for _, joint in loads if _spins_a_wheel(run.deck, joint)}
+    return [name for name, joint in loads if joint in wheels], [name for name, joint in loads if joint not in wheels]
+
+
+def _spins_a_wheel(deck, joint):
+    """Return whether a hinge without options is all that holds one of its bodies, as the axle of a reaction wheel."""
+    d = deck["joints"][joint]
+    if d["type"] != "hinge" or any(d.get(option) for option in ("turning_law", "latch", "stops")):
+        return False
+    things = [one for section in ("elements", "joints") for one in deck.get(section, {}).values() if one is not d]
+    held = [node for one in things for node in (*one.get("nodes", ()), *one.get("attached", ()))]
+    bodies = {one["node"] for one in things if one["type"] == "rigid_body" and not one.get("attached")}
+    return any(node in bodies and node not in held for node in d["nodes"])
+
+
+def _works(run, loads, rows):
+    """Return the energies (n,) [J] that each of some loads has given until the saved times ``rows``."""
     time = run.results.time[rows]
-    return max((_work(time, run.results.find(f"loads/{name}/power").values[rows]).max() for name in loads), default=0.0)
+    return [_work(time, run.results.find(f"loads/{name}/power").values[rows]) for name in loads]
 
 
 def _work(time, power):
