@@ -169,8 +169,8 @@ orifice, oil, hydraulic damper -> oil_damper metering_pin
 accelerometer, acceleration of a node, specific force -> attitude | its outputs acceleration and specific_force
 earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test -> acceleration
     prescribed_position prescribed_angle | the law acceleration as 'value' of a prescribed motion
-thermal strain, temperature, heating, thermal expansion, thermal load -> beam cable | a beam has 'thermal', a cable or
-    bar a 'natural_length' that is a law of time
+thermal strain, temperature, heating, thermal expansion, thermal load, thermal snap, thermal flutter, eclipse -> beam
+    cable | a beam has 'thermal', a cable or bar a 'natural_length' that is a law of time
 bump stop, end stop, limit stop, limit, buffer -> stop hinge.stops | joints have 'stops', laws the term stop
 backlash, clearance, free play, freeplay, gap, play -> dead_band
 latch, catch, locking -> hinge.latch
