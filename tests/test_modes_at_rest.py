@@ -257,3 +257,11 @@ def test_what_is_strained_later_is_not_strained_at_the_start(tmp_path):
         """)
     run(falling, tmp_path / "falling.h5")
     assert operating_point(falling, f"{tmp_path / 'falling.h5'}:0.3").warnings == ()
+
+
+@pytest.mark.parametrize(("time", "reported"), [(0.0, True), (1.0, False)])
+def test_a_saved_state_at_rest_that_is_no_equilibrium_is_reported(swinging, time, reported):
+    """Folded, the array is at rest and about to be opened by its spring; later it moves, which is no mistake."""
+    checked, path = swinging
+    text = modes(checked, None, at=f"{path}:{time}")[0]
+    assert ("the state is not an equilibrium" in text and "add --at-rest" in text) == reported

@@ -24,18 +24,18 @@ NOT_CONVERGED = "not converged"
 
 
 def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the modes are those") -> Iterator[str]:
-    """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
+    """Yield a warning if a state at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
     The warning requires a body that accelerates relative to these axes by more than rounding errors. Bodies may turn in
-    place, as the pylon of a rotor does relative to its blades. If the state moves there, it requires a body that moves
+    place, as the pylon of a rotor does relative to its blades. If a start moves there, it requires a body that moves
     and begins to deform. ``what``: description of the results.
     """
     system, s = base.prepared.system, base.state
-    if not base.is_start:
+    a = _relative_accelerations(system, s, w)
+    if a is None and not base.is_start:
         return
     M, size = _matrix(system, s, 0.0, 1.0)
     K, _ = _matrix(system, s, 1.0, 0.0)
-    a = _relative_accelerations(system, s, w)
     if a is None:
         yield from (_unsteady(system, *body, what) for body in unsteady_bodies(system, s, M, K, size))
         return
@@ -43,11 +43,12 @@ def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the mod
     rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
     if np.abs(M @ a).max(initial=0.0) > max(BALANCED * size, rounding):
         remedy = (
-            "write 'initial: {steady: {angular_velocity: ..., about: ...}}'" if np.any(w) else "write 'initial: static'"
-        )
+            "write 'initial: {steady: {angular_velocity: ..., about: ...}}'" if np.any(w) else
+            "write 'initial: static'" if base.is_start else "add --at-rest (in Python at_rest=True)"
+        )  # fmt: skip
         yield (
-            f"the start is not an equilibrium: {what} of this shape, without the forces in the members that its loads "
-            f"cause; for those about the equilibrium {remedy}"
+            f"the {'start' if base.is_start else 'state'} is not an equilibrium: {what} of this shape, without the "
+            f"forces in the members that its loads cause; for those about the equilibrium {remedy}"
         )
 
 
