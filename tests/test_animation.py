@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from browser import asked, browser
 from process import mecano_process, settings
-from time_runs import INPUTS
+from time_runs import INPUTS, deck
 
+from mecano.analyses.dynamic import run
 from mecano.errors import ResultsError, UsageError
 from mecano.post.animation import MOST_FRAMES, animate
 from mecano.post.scene import BENT
@@ -366,3 +367,31 @@ def test_rounding_errors_beside_the_curves_are_zero(results, tmp_path):
         page.write_text(re.sub(r"const data = \{.*\};", lambda _, text=text: f"const data = {text};", page.read_text()))
         shown = asked(page, 'return document.querySelectorAll(".plot .u-legend .u-value")[1].textContent;')
         assert shown == expected
+
+
+@browser
+def test_a_released_joint_is_not_there(tmp_path):
+    """The radii of the pin of a hold-down while it holds, and after its release."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {bus: {position: [0, 0, 0]}, panel: {position: [0, 0, 0]}, edge: {position: [1, 0, 0]}}
+        elements:
+          bus: {type: rigid_body, node: bus, mass: 9, inertia: [1, 1, 1]}
+          panel: {type: rigid_body, node: panel, mass: 1, inertia: [0.1, 0.1, 0.1], attached: [edge]}
+        joints: {pyro: {type: fixed, nodes: [bus, panel], release: {time: 0.5}}}
+        initial: {velocities: [{nodes: [panel, bus], velocity: [1, 0, 0]}]}
+        time: {end: 1, step: 0.1}
+        """
+    run(deck(text), tmp_path / "pyro.h5")
+    found = asked(animate(tmp_path / "pyro.h5", tmp_path / "pyro.html"), """
+    const radii = [];
+    for (const share of [0, 1]) {
+      byId("slider").value = Math.round(share * byId("slider").max);
+      byId("slider").dispatchEvent(new Event("input"));
+      stage.render();
+      radii.push(Math.hypot(...solids.axes.instanceMatrix.array.slice(0, 3)));
+    }
+    return radii;
+    """)  # fmt: skip
+    assert found[0] > 0.0 and found[1] == 0.0

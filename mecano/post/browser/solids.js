@@ -167,9 +167,10 @@ class Solids {
     this.moving.push(frame => {
       shapes.forEach((shape, n) => {
         const axis = this.motion.vector(shape.axis, frame, new THREE.Vector3(), false).normalize();
+        const there = this.motion.there(shape, frame) ? 1 : 0;
         for (const [mesh, half, radius] of [[pins, 1.5 * JOINT_RADIUS, JOINT_RADIUS], [this.axes, AXIS, 0.25 * JOINT_RADIUS]]) {
           const place = this.motion.point(shape, 0, frame, A), length = half * this.thin;
-          mesh.setMatrixAt(n, between(B.copy(place).addScaledVector(axis, -length), place.addScaledVector(axis, length), radius * this.thin));
+          mesh.setMatrixAt(n, between(B.copy(place).addScaledVector(axis, -length), place.addScaledVector(axis, length), radius * this.thin * there));
         }
       });
       for (const mesh of [pins, this.axes]) { mesh.instanceMatrix.needsUpdate = true; mesh.boundingSphere = null; }
