@@ -40,7 +40,10 @@ def write_report(
     """
     page = Path(page)
     if page.suffix not in (".html", ".htm"):
-        raise UsageError(f"--report {page}: the name of a page must end with .html; print it in a browser to get a PDF")
+        raise UsageError(
+            f"--report {page}: the name of a page must end with .html; print it in a browser to get a PDF, as by\n"
+            f"chromium --headless --print-to-pdf={page.stem}.pdf {page.stem}.html"
+        )
     text = page_of(_report(path, title, plots, transforms))
     return write_page(page, text)
 
