@@ -1,5 +1,7 @@
 """Bodies that fly freely are drawn as cuboids of their mass and inertia."""
 
+import textwrap
+
 import numpy as np
 import pytest
 
@@ -54,3 +56,30 @@ def test_a_plane_body_is_a_plate_and_none_is_larger_than_a_quarter_of_the_mechan
     thin, _, long = sides(found["disc"][0, 1:])
     assert thin == pytest.approx(0.05 * long)
     assert sides(bodies(0.1)["free"][0, 1:])[-1] == pytest.approx(0.5 * np.hypot(2.0, 0.1))
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_the_main_body_of_a_satellite_is_a_cuboid_about_its_centre_of_mass(tmp_path, held):
+    """A boom is hinged to a bus of 12 kg and 3 x 2 x 1 m; one that stands on the ground is drawn by its points."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {bus: {position: [0, 0, 0]}, root: {position: [1.5, 0, 0]}, boom: {position: [1.5, 0, 0]}}
+        elements:
+          bus: {type: rigid_body, node: bus, mass: 12, inertia: [5, 10, 13], center_of_mass: [0.2, 0, 0],
+                attached: [root]}
+          boom: {type: rigid_body, node: boom, mass: 1, center_of_mass: [6, 0, 0], inertia: [1, 1, 1]}
+        joints:
+          hinge: {type: hinge, nodes: [root, boom], axis: [0, 0, 1]}
+        HELD
+        time: {end: 0.1, step: 0.01}
+        """.replace("HELD", "  stand: {type: spherical, nodes: [ground, bus]}" if held else "")
+    (tmp_path / "satellite.yaml").write_text(textwrap.dedent(text))
+    mecano.run(tmp_path / "satellite.yaml", tmp_path / "satellite.h5", quiet=True).close()
+    with opened_runs([tmp_path / "satellite.h5"]) as [run]:
+        [bus] = [one.points for one in shapes(Motion(run, slice(None))) if one.name == "bus"]
+    assert bus.shape[1] == (2 if held else 10)
+    if not held:
+        np.testing.assert_allclose(bus[0, 2:].mean(axis=0), [0.2, 0.0, 0.0], atol=1e-12)
+        ratio = sides(bus[0, 2:])
+        np.testing.assert_allclose(ratio / ratio[0], [1.0, 2.0, 3.0], rtol=1e-12)

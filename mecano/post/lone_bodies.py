@@ -31,7 +31,7 @@ class LoneBodies:
         None if the body has no volume, or an element or joint shows how its node turns.
         """
         motion, node = self.motion, d["node"]
-        if f"nodes/{node}/rotation" not in motion.run.paths or node in self._shown:
+        if f"nodes/{node}/rotation" not in motion.run.paths or (node in self._shown and node != self.spacecraft):
             return None
         moments, axes = np.linalg.eigh(inertia_matrix(d["inertia"]))
         half = np.sqrt(np.maximum(1.5 * (moments.sum() - 2.0 * moments) / d["mass"], 0.0))
@@ -41,7 +41,18 @@ class LoneBodies:
         (R,) = rotations(np.array([motion.run.deck["nodes"][node]["orientation"]], float))
         sides = [motion.turned(node, size * R @ axis) for size, axis in zip(half, axes.T, strict=True)]
         signs = np.array(list(product((-1.0, 1.0), repeat=3)))
-        return motion.position(node)[:, None] + np.einsum("ks,sij->ikj", signs, np.array(sides))
+        centre = motion.position(node) + motion.turned(node, R @ d.get("center_of_mass", np.zeros(3)))
+        return centre[:, None] + np.einsum("ks,sij->ikj", signs, np.array(sides))
+
+    @cached_property
+    def spacecraft(self) -> str:
+        """Node of the heaviest body of a mechanism of several that nothing holds, such as a satellite, or ""."""
+        deck, things = self.motion.run.deck, self.motion.run.things.values()
+        held = any(node.get("fixed") for node in deck["nodes"].values()) or any(
+            "ground" in d or "ground" in d.get("nodes", ()) or d["type"] == "prescribed_position" for d in things
+        )
+        masses = {d["node"]: d["mass"] for d in things if d["type"] == "rigid_body" and d.get("mass")}
+        return "" if held or len(masses) < 2 else max(masses, key=lambda node: masses[node])
 
     @cached_property
     def _shown(self):

@@ -159,8 +159,8 @@ def shapes(motion: AnyMotion) -> list[Shape]:
         if section != "loads":
             shape = motion.run.display(d).shape or ("line" if section == "elements" else "joint")
             own = SHAPES[shape](motion, name, d)
-            if shape == "body":
-                own = [_with_corners(one, lone.corners(d)) if one.style == MASS else one for one in own]
+            if shape == "body" and own and (own[0].style == MASS or d["node"] == lone.spacecraft):
+                own = [_with_corners(own[0], lone.corners(d))]
             if own and d.get("release"):
                 shown = ~motion.released(f"{d['type']} '{name}'")
                 own = [replace(one, shown=shown) for one in own]
@@ -187,7 +187,7 @@ def _body(motion, name, d):
 
 
 def _with_corners(shape, corners):
-    """Return the shape of a body at a single point with ``corners`` (instants, n, 3) around it, if it has some."""
+    """Return the shape of a body with ``corners`` (instants, n, 3) around it, if it has some."""
     if corners is None:
         return shape
     points = np.concatenate([shape.points, corners], axis=1)
