@@ -94,7 +94,7 @@ class Copies:
 
     def with_items(self, node: Node) -> Node:
         """Return a value of an override with words, and the repeated items of its lists, written out."""
-        return self.copy(node, self.deck) if self._has_word(node) or repeats_items(node) else node
+        return self.copy(node, self.deck) if self._is_inserted_into(node) or repeats_items(node) else node
 
     def sections(self, body: Node, level: Level) -> dict[str, Entries]:
         """Return {section: {name: (key, node)}} of the deck or of a template, including the templates it places."""

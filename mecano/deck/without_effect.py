@@ -4,21 +4,18 @@ Triggers are those of releases, activations and grips at times before the start 
 """
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from mecano.deck.sections import SECTIONS as SECTIONS_OF_DECKS
 from mecano.element_interface import SECTIONS, Kind
+from mecano.errors import LocatedWarning
 from mecano.laws.law_table import terms_of
-
-if TYPE_CHECKING:
-    from mecano.deck.lint import LocatedWarning
-    from mecano.schema import Values
+from mecano.schema import Values
 
 TRIGGER = {"time", "when"}  # options of a trigger (constraints/along_coordinate/trigger.py)
 OF_OTHER_METHODS = ("rho_inf",), ("newton", "force_tolerance"), ("scale", "penalty")  # not used by Radau IIA
 
 
-def without_effect(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[LocatedWarning]":
+def without_effect(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on values without effect.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements.
