@@ -160,7 +160,9 @@ def test_a_failure_says_what_to_try_in_the_elements_that_failed():
         "flexible_wheel 'tire' is at test.yaml:10:3",
         "hinge 'bearing' is at test.yaml:17:3",
         "in flexible_wheel 'tire': a greater 'tire_law.lateral.string.torsional_stiffness' (now 10000 N m/rad); a "
-        "greater 'tire_law.slip_regularization' (now 0.1 m/s)",
+        "greater 'tire_law.slip_regularization' (now 0.1 m/s); a greater "
+        "'tire_law.lateral.relaxation_in_air' (now 0.001 s), for a leaning wheel that leaves the "
+        "ground and meets it again at once",
         "warning: flexible_wheel 'tire': soft",
     ]
 
