@@ -2,14 +2,10 @@
 
 import re
 from collections.abc import Collection
-from typing import TYPE_CHECKING
 
 from mecano.deck.compose import Node
 from mecano.deck.expressions import INSERT, WORD, inner_text, texts_in
-from mecano.deck.parameters import is_word
-
-if TYPE_CHECKING:
-    from mecano.deck.parameters import Parameters
+from mecano.deck.parameters import Parameters, is_word
 
 JOINED = re.compile(r"[\w.]")  # next to an insert that is part of a name
 
