@@ -288,7 +288,7 @@ SLIDE = """
 @pytest.mark.parametrize(
     ("drive", "warned"),
     [
-        ("prescribed_length, nodes: [a, b], value: 0.1*time", True),  # across the slide
+        ("prescribed_length, nodes: [a, b], value: 0.1*time*time", True),  # across the slide; at rest at the start
         ("prescribed_length, nodes: [a, b], value: 0", False),  # a rigid rod
         ("prescribed_position, node: a, direction: [1, 0, 0], value: 0.1*time", False),
     ],

@@ -150,18 +150,18 @@ def _actuators(run):
         for name, d in run.deck.get("loads", {}).items()
         if d.get("joint") and f"loads/{name}/power" in run.paths
     ]
-    wheels = {joint for _, joint in loads if _spins_a_wheel(run.deck, joint)}
+    wheels = {joint for _, joint in loads if f"joints/{joint}/angle" in run.paths and _spins_a_wheel(run.deck, joint)}
     return [name for name, joint in loads if joint in wheels], [name for name, joint in loads if joint not in wheels]
 
 
 def _spins_a_wheel(deck, joint):
-    """Return whether a hinge without options is all that holds one of its bodies, as the axle of a reaction wheel."""
+    """Return whether a joint without options is all that holds one of its bodies, as the axle of a reaction wheel."""
     d = deck["joints"][joint]
-    if d["type"] != "hinge" or any(d.get(option) for option in ("turning_law", "latch", "stops")):
+    if any(d.get(option) for option in ("turning_law", "latch", "stops")):
         return False
     things = [one for section in ("elements", "joints") for one in deck.get(section, {}).values() if one is not d]
     held = [node for one in things for node in (*one.get("nodes", ()), *one.get("attached", ()))]
-    bodies = {one["node"] for one in things if one["type"] == "rigid_body" and not one.get("attached")}
+    bodies = {one["node"] for one in things if one.get("inertia") and not one.get("attached")}
     return any(node in bodies and node not in held for node in d["nodes"])
 
 

@@ -47,11 +47,12 @@ class LoneBodies:
     @cached_property
     def spacecraft(self) -> str:
         """Node of the heaviest body of a mechanism of several that nothing holds, such as a satellite, or ""."""
-        deck, things = self.motion.run.deck, self.motion.run.things.values()
+        deck, things = self.motion.run.deck, self.motion.run.things
         held = any(node.get("fixed") for node in deck["nodes"].values()) or any(
-            "ground" in d or "ground" in d.get("nodes", ()) or d["type"] == "prescribed_position" for d in things
+            "ground" in d or "ground" in d.get("nodes", ()) or (path.startswith("joints/") and "node" in d)
+            for path, d in things.items()
         )
-        masses = {d["node"]: d["mass"] for d in things if d["type"] == "rigid_body" and d.get("mass")}
+        masses = {d["node"]: d["mass"] for d in things.values() if d.get("mass") and d.get("inertia")}
         return "" if held or len(masses) < 2 else max(masses, key=lambda node: masses[node])
 
     @cached_property
