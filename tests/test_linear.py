@@ -139,6 +139,12 @@ def test_large_fronts_in_the_mesh_little_fill_in_the_ring():
     assert ring().analysis().factor_length < 80_000
 
 
+def test_a_front_too_large_for_its_places_is_a_lack_of_memory(monkeypatch):
+    monkeypatch.setattr("mecano.solve.linear.symbolic_analysis.COLUMN_BITS", 3)
+    with pytest.raises(MemoryError, match="a front of"):
+        mesh(4).analysis()
+
+
 def test_more_values_than_entries():
     problem = chain(2)
     b, x, y = problem.rhs(), np.empty(22), np.empty(22)

@@ -82,7 +82,10 @@ class Pattern(NamedTuple):
 
 
 def analyse(pattern: Pattern) -> Analysis:
-    """Order the unknowns of a Pattern and lay out the fronts; raises ValueError if it has an entry twice."""
+    """Order the unknowns of a Pattern and lay out the fronts.
+
+    Raises ValueError if it has an entry twice, MemoryError if a front has more than COLUMN_BITS unknowns.
+    """
     n, parts, n_q = pattern.n, pattern.parts, len(pattern.groups)
     rows, cols, groups = (np.asarray(given, np.int64) for given in pattern[1:4])
     nodes = np.unique(groups, return_inverse=True)[1].reshape(-1)
@@ -258,10 +261,11 @@ def _tables(n, rows, cols, block, sizes, ends, borders, part_ends):
     widths = np.bincount(border_of, weights=sizes[border_blocks], minlength=len(ends)).astype(np.int64)
     fronts = np.empty((len(ends), COLUMNS), dtype=np.int64)
     fronts[:, FIRST], fronts[:, PIVOTS], fronts[:, SIZE] = first, pivots, pivots + widths
+    if (largest := int(fronts[:, SIZE].max())) > COLUMN_BITS:
+        raise MemoryError(f"a front of {largest} unknowns")
     parent = _family(fronts, border_rows, _offsets(widths))
     links = _link(fronts, parent, border_rows, place[rows], place[cols])
     factor_length, stack_length = _storage(fronts, part_ends)
-    largest = int(fronts[:, SIZE].max())
     return Analysis(order, fronts, links, _by_rows(n, rows, cols), factor_length, stack_length, largest, part_ends)
 
 
