@@ -46,14 +46,18 @@ class LoneBodies:
 
     @cached_property
     def spacecraft(self) -> str:
-        """Node of the heaviest body of a mechanism of several that nothing holds, such as a satellite, or ""."""
+        """Node of the body, with attached nodes, of most of the mass of a mechanism that nothing holds, or ""."""
         deck, things = self.motion.run.deck, self.motion.run.things
         held = any(node.get("fixed") for node in deck["nodes"].values()) or any(
             "ground" in d or "ground" in d.get("nodes", ()) or (path.startswith("joints/") and "node" in d)
             for path, d in things.items()
         )
         masses = {d["node"]: d["mass"] for d in things.values() if d.get("mass") and d.get("inertia")}
-        return "" if held or len(masses) < 2 else max(masses, key=lambda node: masses[node])
+        if held or not masses:
+            return ""
+        heaviest = max(masses, key=lambda node: masses[node])
+        carries = any(d.get("attached") for d in things.values() if d.get("node") == heaviest)
+        return heaviest if carries and masses[heaviest] < sum(masses.values()) < 2.0 * masses[heaviest] else ""
 
     @cached_property
     def _shown(self):
