@@ -12,8 +12,8 @@ import numpy as np
 
 from mecano.maths.vector import skew
 from mecano.model.numbering import SCALAR, Classes
-from mecano.solve.diagnostics.mobility import MANY, Analysis, Group, groups
-from mecano.solve.diagnostics.null_space import Entries, NullSpace, left_null_space
+from mecano.solve.diagnostics.mobility import MANY, Analysis, Group, allowed_motions, groups
+from mecano.solve.diagnostics.null_space import Entries, NullSpace
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -32,14 +32,12 @@ def stiff_mechanisms(system: "System", s: "State", length: float, analysis: Anal
     from scipy.sparse import csr_matrix, vstack  # few models need it
 
     T, ties = _as_bodies(system, s, length, bodies, resting)
-    B, names = analysis.gradient, analysis.names[system.n_q :]
+    B, m = analysis.gradient, T.shape[1]
     rows = vstack([ties, csr_matrix((B.values, (B.rows, B.cols)), B.shape) @ T]).tocoo()
-    joints: dict[str, int] = {}
-    of_row = np.repeat(np.arange(ties.shape[0] // 3), 3)
-    of_joint = np.array([len(of_row) + joints.setdefault(name.place, len(joints)) for name in names], np.int64)
-    entries = Entries(rows.col.astype(np.int64), rows.row.astype(np.int64), rows.data, rows.shape[::-1])
-    motions = left_null_space(entries, np.append(of_row, of_joint))
-    Q, _ = np.linalg.qr(T @ motions.dense(np.arange(T.shape[1])))
+    entries = Entries(rows.row.astype(np.int64), rows.col.astype(np.int64), rows.data, rows.shape)
+    of_body = np.append(np.repeat(np.arange(len(bodies)), 6), np.arange(len(bodies), m - 5 * len(bodies)))
+    motions = allowed_motions(entries, of_body, np.ones(m, bool))
+    Q, _ = np.linalg.qr(T @ motions.dense(np.arange(m)))
     return groups(NullSpace(system.n_q, ((np.arange(system.n_q), Q),)), analysis.motions)
 
 
