@@ -117,7 +117,7 @@ def scope_of(
     return Scope(CHECKS, ChainMap[str, Any](kinds, SHAPES), terms, folder, problems, parameters=parameters)
 
 
-def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "tuple[Node, Copies]":
+def written_out(root: Node, sections: Sequence[Field], scope: Scope) -> tuple[Node, Copies]:
     """Return the tree with all copies of templates and repeated entries expanded, and the Copies that expand more."""
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)

@@ -36,7 +36,7 @@ def doubt(text: str, declared: str, scope: Scope) -> str:
     return f"it is in {unit_of_dimension(found)}, where {declared} is expected"
 
 
-def units_in_formula(text: str, scope: "Scope") -> dict[int, str]:
+def units_in_formula(text: str, scope: Scope) -> dict[int, str]:
     """Return {i: SI unit} of the parameters with units in a formula or condition, its i-th operands (Formula)."""
     names = [match[1] for match in NAME.finditer(text)]
     numbers = iter(range(len(names)))
