@@ -177,4 +177,4 @@ def _ranges(analysis):
 def _largest(fronts):
     """Return the length of the work array for one of these fronts."""
     largest = int(fronts[:, SIZE].max(initial=0))
-    return largest * (padded(largest) + 1)
+    return largest * (padded(largest) + 2)

@@ -88,19 +88,23 @@ def _assemble(f, data, lu, stack, front_out, magnitude_out):
     for i in range(size * stride):
         front_out[i] = 0.0
     for k in range(count):
-        if data[pairs[2 * k]] != 0.0:
-            place = pairs[2 * k + 1]
+        place = pairs[2 * k + 1]
+        if size == fronts[f, SIZE]:
+            front_out[(place >> ROW_BITS) * stride + (place & COLUMN_BITS)] = data[pairs[2 * k]]
+        elif data[pairs[2 * k]] != 0.0:
             front_out[row_of[place >> ROW_BITS] * stride + row_of[place & COLUMN_BITS]] = data[pairs[2 * k]]
-    child = fronts[f, LAST_CHILD]
+    child, rows = fronts[f, LAST_CHILD], integers(row_of.ctypes.data + 8 * row_of.size, row_of.size)
     while child >= 0:
         width = lu.sizes[child] - fronts[child, PIVOTS]
         place = lu.borders[fronts[child, PARENT_ROWS] : fronts[child, PARENT_ROWS] + width]
         begin = fronts[child, CONTRIBUTION]
         for i in range(width):
-            row = front_out[row_of[place[i]] * stride : (row_of[place[i]] + 1) * stride]
+            rows[i] = row_of[place[i]]
+        for i in range(width):
+            row = front_out[rows[i] * stride : (rows[i] + 1) * stride]
             addend = stack[begin + i * width : begin + (i + 1) * width]
             for j in range(width):
-                row[row_of[place[j]]] += addend[j]
+                row[rows[j]] += addend[j]
         child = fronts[child, ELDER]
     for i in range(pivots):
         magnitude_out[first + i] = max(magnitude_out[first + i], abs(front_out[i * stride + i]))
@@ -175,7 +179,7 @@ def factor(data, tolerance, scratch, lu_out):
     largest, fronts = 0, lu_out.fronts
     for f in range(fronts.shape[0]):
         largest = max(largest, fronts[f, SIZE])
-    stack, magnitude = scratch[largest * (stride_of(largest) + 1) :], lu_out.vectors[MAGNITUDE]
+    stack, magnitude = scratch[largest * (stride_of(largest) + 2) :], lu_out.vectors[MAGNITUDE]
     for i in range(magnitude.size):
         magnitude[i] = 0.0
     return factor_fronts(0, fronts.shape[0], data, tolerance, scratch, stack, magnitude, lu_out)

@@ -86,7 +86,7 @@ class LinearSolver:
         self._substitute_arguments: tuple
         self._solve_arguments: tuple
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
-        scratch = np.zeros(analysis.largest * (padded(analysis.largest) + 1) + analysis.stack_length)
+        scratch = np.zeros(analysis.largest * (padded(analysis.largest) + 2) + analysis.stack_length)
         self._substitute_arguments = (self._lu,)
         self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._substitution()
 
