@@ -187,8 +187,20 @@ def test_what_cannot_be_met_together_is_named():
     with pytest.raises(AssemblyError) as error:
         prepare(deck(HEAD + text))
     taking_part, *places = str(error.value).splitlines()[-3:]
-    assert taking_part == "  taking part: rigid_rod 'short', spherical 't'"
+    assert taking_part == "  taking part: spherical 't', rigid_rod 'short'"
     assert [place.partition(" is at")[0] for place in places] == ["rigid_rod 'short'", "spherical 't'"]
+
+
+def test_contradictory_joints_are_named_in_large_models():
+    """Of a thousand bodies on sphericals, more than 3000 constraints, a rod holds one at a distance it cannot reach."""
+    many = range(1000)
+    text = "nodes: {pin: {position: [7, -1, 0], fixed: true}, "
+    text += ", ".join(f"a{i}: {{position: [{i}, 0, 0]}}, tip{i}: {{position: [{i}, 1, 0]}}" for i in many)
+    text += "}\nelements:\n" + "".join(f"  body{i}: {{{BODY}, node: a{i}, attached: [tip{i}]}}\n" for i in many)
+    text += "joints:\n" + joints(**{f"t{i}": f"spherical ground,a{i}" for i in many})
+    text += joints(far="rigid_rod tip7,pin length: 9")
+    with pytest.raises(AssemblyError, match=r"taking part: rigid_body 'body7', spherical 't7', rigid_rod 'far'\n"):
+        prepare(deck(HEAD + text))
 
 
 def test_a_shaft_between_two_cardan_joints_turns_through_positions_without_forces():

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
 PARTS = {"x": "force {}", "R": "moment about initial {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
-MANY = 3000  # constraints above which contradictory ones are not named
-SMALL = 1e-6  # of the largest reaction: smaller ones count as zero
+DIGITS = 6  # of a reaction over the largest one
 
 
 def redundant_groups(system: System, s: "State", length: float, analysis: Analysis) -> tuple[Group, ...]:
@@ -59,16 +58,33 @@ def contradicting(system: System, s: "State", length: float, phi: np.ndarray) ->
     """Return the names of the contradictory constraints and joints of an assembly that failed with the gaps ``phi``.
 
     ``phi`` (n_l,) are then reactions in balance with those of identifications; all constraints whose reactions are not
-    small are named.
+    small are named, the largest first.
     """
+    from scipy.sparse import csr_array
+
     B, size, names, _, _ = _without_identifications(system, s, length)
-    if B.shape[0] > MANY:
-        return []
-    rows, n_l = B.dense(np.arange(B.shape[0])), len(size)
-    reactions = phi * size
-    shared, *_ = np.linalg.lstsq(rows[n_l:].T, -rows[:n_l].T @ reactions, rcond=None)
+    rows, n_l, reactions = csr_array((B.values, (B.rows, B.cols)), B.shape), len(size), phi * size
+    shared = _least_norm(rows[n_l:].T, -rows[:n_l].T @ reactions)
     found = np.abs(np.concatenate([reactions, shared]))
-    return list(dict.fromkeys(names[i] for i in np.flatnonzero(found > SMALL * found.max(initial=0.0))))
+    share = np.round(found / (found.max(initial=0.0) or 1.0), DIGITS)
+    order = np.argsort(-share, kind="stable")[: np.count_nonzero(share)]
+    return list(dict.fromkeys(names[i] for i in order))
+
+
+def _least_norm(A, b):
+    """Return the least-squares solution (n,) of least norm of A x = b, A (m, n) sparse, by its independent parts."""
+    from scipy.sparse import block_array
+    from scipy.sparse.csgraph import connected_components
+
+    m, n = A.shape
+    count, part = connected_components(block_array([[None, A], [A.T, None]]), directed=False)
+    order = np.argsort(part, kind="stable")
+    x, A = np.zeros(n), A.tocsr()
+    for own in np.split(order, np.cumsum(np.bincount(part, minlength=count))[:-1]):
+        rows, cols = own[own < m], own[own >= m] - m
+        if len(rows) and len(cols):
+            x[cols], *_ = np.linalg.lstsq(A[rows][:, cols].toarray(), b[rows], rcond=None)
+    return x
 
 
 def _identified_twice(system):

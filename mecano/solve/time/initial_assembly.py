@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, name_list
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 from mecano.model.state import State
 from mecano.model.system import System
@@ -19,6 +19,7 @@ TOLERANCE = 1e-12  # of the length scale, or rad
 FULFILLED = 100 * TOLERANCE
 REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration makes up for it
 MOST_NAMES = 5  # constraints named in a refusal
+MOST_TAKING_PART = 20  # elements, likewise
 
 
 def assemble_start(system: System, linear: LinearSolver, s: State, length: float) -> tuple[State, float]:
@@ -84,7 +85,7 @@ def _refusal(system, start, s, iterations, length):
     phi, error = _violations(system, s, length)
     worst = [i for i in np.argsort(-error)[:MOST_NAMES] if not error[i] <= FULFILLED]
     places = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
-    taking_part = [f"  taking part: {', '.join(places)}"] if len(places) > 1 else []
+    taking_part = [f"  taking part: {name_list(tuple(places), MOST_TAKING_PART)}"] if len(places) > 1 else []
     return "\n".join(
         [
             f"the initial positions cannot be assembled: as given, {most_off(system, start, length)}",
