@@ -196,3 +196,26 @@ def test_a_run_in_which_no_wheel_touches_its_ground_is_warned_of(end, touched, t
     run(input_deck("wheel_drop", f"time.end={end}"), tmp_path / "r.h5")
     with open_results(tmp_path / "r.h5") as results:
         assert any("no wheel touched its ground" in text for text in results.warnings) != touched
+
+
+@pytest.mark.parametrize(("speed", "warned"), [(1.0, False), (-1.0, True), (0.0, True)])
+def test_a_gear_that_is_retracted_need_not_touch_the_ground(speed, warned, tmp_path):
+    """A leg of 1 m with its wheel, hinged 3 m above the ground, turns by 0.5 rad from the vertical or towards it."""
+    at = -0.6 if speed < 0 else 0.0
+    given = deck(f"""
+mecano: 1
+gravity: none
+nodes: {{leg: {{position: [0, 0, 3]}}, axle: {{position: ['sin({at})', 0, '3-cos({at})']}}}}
+elements:
+  leg: {{type: rigid_body, node: leg, mass: 20, inertia: [1, 1, 1], attached: [axle]}}
+  tyre: {{type: wheel, node: axle, axis: [0, 1, 0], ground: runway, tire_law: tyre}}
+joints:
+  pintle: {{type: hinge, nodes: [ground, leg], axis: [0, -1, 0]}}
+  drive: {{type: prescribed_angle, nodes: [ground, leg], axis: [0, -1, 0], value: {{linear: {{slope: {abs(speed)}}}}}}}
+tire_laws: {{tyre: {{radius: 0.3, radial: {{polynomial: [0, 5e5]}}, friction: 0.8, slip_regularization: 0.1}}}}
+grounds: {{runway: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+time: {{end: 0.5, step: 10 ms}}
+""")
+    run(given, tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        assert any("no wheel touched its ground" in text for text in results.warnings) == warned

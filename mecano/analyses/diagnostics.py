@@ -37,6 +37,7 @@ LAWS = {  # fields of laws that may have dry friction: outputs of the coordinate
 RATES = {"extension": "rate", "angle": "rate", "displacement": "velocity"}
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
+LEVEL = 1e-3  # m: range of the height of a wheel in the air that is neither lowered nor retracted
 WRAPPED = 6.2  # rad: range of values above which an angle known within one turn only has jumped
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
@@ -67,12 +68,15 @@ def capture_warnings(values: Values, capture: EventCapture) -> Iterator[str]:
     )
 
 
-def untouched_ground_warnings(deck: Deck, sampler: Sampler, extremes: Extremes) -> Iterator[str]:
-    """Yield a warning if the model has wheels, but their loads were always zero: none touched its ground."""
-    at = sampler.starts
-    wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
-    loads = [at.get(f"elements/{name}/radial_force", at.get(f"elements/{name}/normal_force")) for name in wheels]
-    if wheels and not any(i is None or extremes.high[i] or extremes.low[i] for i in loads):
+def untouched_ground_warnings(deck: Deck, sampler: Sampler, extremes: Extremes, end: float) -> Iterator[str]:
+    """Yield a warning if no wheel touched its ground, though one was sinking at the ``end`` [s] or kept its height."""
+    at, elements = sampler.starts, deck.values["elements"].items()
+    wheels = [f"elements/{name}" for name, d in elements if "wheels" in KINDS[d["type"]].display.pictures]
+    loads = [at.get(f"{wheel}/radial_force", at.get(f"{wheel}/normal_force")) for wheel in wheels]
+    if not wheels or any(i is None or extremes.high[i] or extremes.low[i] for i in loads):
+        return
+    heights = [at[f"{wheel}/height"] for wheel in wheels]
+    if any(extremes.low_time[i] >= end or extremes.high[i] - extremes.low[i] < LEVEL for i in heights):
         yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
 
 

@@ -360,7 +360,7 @@ class Ongoing:
         warnings += open_latch_warnings(deck, recorder.row, sampler, extremes)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
         warnings += _unmet_conditions(deck, integrator.system, self.state.motion.phases, sampler, extremes)
-        warnings += untouched_ground_warnings(deck, sampler, extremes)
+        warnings += untouched_ground_warnings(deck, sampler, extremes, self.state.motion.t)
         if any(ground["profile"] for ground in deck.values["grounds"].values()):
             from mecano.analyses.unmet_bumps import unmet_bump_warnings  # few decks have a profile
 
