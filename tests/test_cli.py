@@ -231,6 +231,12 @@ class TestRun:
         assert call("run", "deck.yaml", "--force", "-q")[0] == 0
         assert mecano.open_results("deck.h5").status == "complete"
 
+    @pytest.mark.parametrize("command", ["run", "modes"])
+    def test_a_name_without_an_ending_gets_one(self, call, folder, command):
+        for name in ("at_1.25", "own.results"):
+            assert call(command, "deck.yaml", "-q", "-o", name)[0] == 0
+        assert {path.name for path in folder.iterdir()} == {"deck.yaml", "at_1.25.h5", "own.results"}
+
     @pytest.mark.parametrize("name", ["deck.csv", "deck.YAML"])
     def test_results_have_no_name_of_another_format(self, call, folder, name):
         code, _, err = call("run", "deck.yaml", "-o", name)

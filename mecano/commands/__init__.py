@@ -24,6 +24,14 @@ overrides = click.option(
 )
 
 
+def results_path(given: str | None, default: str) -> str:
+    """Return the path of a results file: ``given``, with .h5 if its name has no ending, or the ``default``."""
+    if given is None or os.path.exists(given):
+        return given or default
+    ending = os.path.splitext(given)[1][1:]
+    return given if ending and not ending.isdigit() else f"{given}.h5"
+
+
 def together(*options: Callable[..., Any]) -> Callable[..., Any]:
     """Return a decorator that adds several options to a command, in their order."""
 

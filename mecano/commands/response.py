@@ -13,6 +13,7 @@ from mecano.commands import (
     overrides,
     plugins,
     require_saved_state,
+    results_path,
     saved_state,
     show,
     show_with_warnings,
@@ -156,7 +157,7 @@ def _compute(
     from mecano.analyses.progress import SweepProgress
     from mecano.deck.read import read_deck
 
-    path = written.path or f"{os.path.splitext(os.path.basename(deck))[0]}_{suffix}.h5"
+    path = results_path(written.path, f"{os.path.splitext(os.path.basename(deck))[0]}_{suffix}.h5")
     request.check()
     checked = read_deck(deck, overrides)
     with SweepProgress(written.quiet, path).announcing_compiling():

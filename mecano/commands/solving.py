@@ -14,6 +14,7 @@ from mecano.commands import (
     overrides,
     plugins,
     require_saved_state,
+    results_path,
     saved_state,
     show,
     show_with_warnings,
@@ -72,7 +73,7 @@ def run(
     if threads:
         thread_pool.use(threads)
     checked = read_deck(deck, overrides)
-    path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
+    path = results_path(output, f"{os.path.splitext(os.path.basename(deck))[0]}.h5")
     with ExitStack() as shown:
         if live:
             from mecano.commands.viewing import live as show
@@ -175,14 +176,14 @@ def modes(
     stem = os.path.splitext(os.path.basename(deck))[0]
     options = {"frame": frame, "method": solver, "force": force}
     if swept.sweeps:
-        path = output or f"{stem}_sweep.h5"
+        path = results_path(output, f"{stem}_sweep.h5")
         _sweep(path, deck, overrides, swept, quiet, number=number, **options)
         if plot:
             from mecano.post.pictures import draw_alone
 
             show(str(draw_alone(path, below=swept.below, above=swept.above)))
     else:
-        path = output or f"{stem}_modes{about.suffix}.h5"
+        path = results_path(output, f"{stem}_modes{about.suffix}.h5")
         found = _modes_about(path, deck, overrides, quiet, number=number or 10, **about._asdict(), **options)
         if plot:
             from mecano.post.mode_shapes import NO_SHAPES
