@@ -835,8 +835,10 @@ class TestInfo:
     def test_repeated_events_leave_rare_ones_in_sight(self, tmp_path):
         """40 limits before the one release would fill all lines."""
         limits = tuple((0.01 * i, "lower limit") for i in range(1, 41))
-        text = info(every_kind.write(tmp_path / "limits.h5", events=(*limits, (1.5, "releases"))))
-        assert "Events: 41, repeated ones merged, in 2 lines; mecano info FILE --events lists all" in text
+        path = every_kind.write(tmp_path / "limits.h5", events=(*limits, (1.5, "releases")))
+        text = info(path)
+        assert "Events: 41, repeated ones merged, in 2 lines; mecano info FILE --events '*' lists all events" in text
+        assert info(path, events="**") in text and len(info(path, events="*").splitlines()) == 42
         first, last = text.split("Events")[1].splitlines()[1:3]
         assert first.split()[0] == "0.01" and first.endswith("40 times, to 0.4 s") and "releases" in last
 

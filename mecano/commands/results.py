@@ -218,15 +218,15 @@ def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool,
     help="List outputs with units and descriptions: all, those of an element, of a name or a pattern, 'w*.force'.",
 )  # fmt: skip
 @click.option(
-    "--events", is_flag=False, flag_value="*", metavar="[PATTERN]",
-    help="List events alone, one per line: all, or those of an element, of a name or a pattern, 'hinge_*'.",
+    "--events", is_flag=False, flag_value="**", metavar="[PATTERN]",
+    help="List events alone, with many repeated ones merged; of a pattern, an element or a name, each: '*', 'hinge_*'.",
 )  # fmt: skip
 def info(results: str | None, pattern: str | None, events: str | None) -> None:
     """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text
 
     if results is None and pattern is None and events is not None:  # `mecano info --events RESULTS`
-        results, events = events, "*"
+        results, events = events, "**"
     if results is None:
         raise click.UsageError("Missing argument 'RESULTS': the file that `mecano run` has written")
     with _reading(results):

@@ -27,6 +27,7 @@ MOST_EXTREMES = 60
 MOST_NAMES = 6  # names listed of entries with the same outputs
 WIDTH = 100
 NOTICED = 0.01  # s, least compile time reported
+MERGED = "**"  # all events, in lines of similar ones
 RESUME = "--resume"
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
@@ -35,8 +36,8 @@ def info(path: str | os.PathLike[str], pattern: str | None = None, events: str |
     """Return the summary of a results file or, with a ``pattern`` such as "wheel", "wheel.*" or "*", of these outputs.
 
     Similar events at one instant are merged into one line, and repeated ones too if there are many; if the lines are
-    still too many, shocks and releases come first. With a pattern of ``events``, such as "latch*", "locks" or "*", the
-    events of these elements, or of these names, are listed alone, each in a line.
+    still too many, shocks and releases come first. With ``events`` these lines are shown alone, all of them if it is
+    MERGED, and for a pattern, such as "latch*", "locks" or "*", each event of these elements, or of these names.
     ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
     """
     if is_other(path):
@@ -46,8 +47,10 @@ def info(path: str | os.PathLike[str], pattern: str | None = None, events: str |
             paths = _matching(results, pattern)
             return "\n".join([*_names(results, paths), "", *_extremes(results, paths, math.inf)])
         if events is not None:
-            return "\n".join(_events(results, events))
-        return "\n".join([*_run(results), "", *_events(results), "", *_output_lines(results), "", *_extremes(results)])
+            return "\n".join(_events(results, math.inf) if events == MERGED else _listed(results, events))
+        return "\n".join(
+            [*_run(results), "", *_events(results, MOST_EVENTS), "", *_output_lines(results), "", *_extremes(results)]
+        )
 
 
 def one_line(runs: Sequence[Run]) -> str:
@@ -204,31 +207,31 @@ def _rank(results, section, kind):
     return order.index("wheels" if wheel else section) if section in order else len(order)
 
 
-def _events(results, every=None):
-    """Return the lines on events, with similar events merged, or on all those that match the pattern ``every``."""
-    found = [one for group in groups(results) for one in (group.single if every else [group])]
-    if not found:
+def _events(results, most):
+    """Return the lines on events, with similar events merged, at most ``most`` lines on them."""
+    instants = groups(results)
+    if not instants:
         return ["Events: none"]
-    if every:
-        return _listed(results, found, every)
-    instants = found
-    found = repeated(found) if len(found) > MOST_EVENTS else found
-    shown = found if len(found) <= MOST_EVENTS else most_notable(found, MOST_EVENTS)
+    found = repeated(instants) if len(instants) > MOST_EVENTS else instants
+    shown = found if len(found) <= most else most_notable(found, most)
     lines = [f"Events: {len(results.events)}"]
     if len(found) < len(results.events):
         alike = "repeated ones" if len(found) < len(instants) else "like ones at one instant"
         lines[0] += f", {alike} merged, in {len(found)} lines"
     if len(shown) < len(found):
-        lines[0] += f"; {len(shown)} lines, shocks and releases first, mecano info FILE --events lists all"
+        lines[0] += f"; {len(shown)} lines, shocks and releases first, mecano info FILE --events shows all lines"
     elif len(found) < len(instants):
-        lines[0] += "; mecano info FILE --events lists all"
+        lines[0] += "; mecano info FILE --events '*' lists all events"
     if any(group.is_shock for group in found):
         lines[0] += f"; {sum(group.lost for group in found if group.is_shock):.6g} J lost in shocks"
     return lines + _lines_of(shown, results.axis.unit)
 
 
-def _listed(results, found, pattern):
-    """Return the lines on the events of the elements or names that match a pattern."""
+def _listed(results, pattern):
+    """Return the lines on the events of the elements or names that match a pattern, one for each."""
+    found = [one for group in groups(results) for one in group.single]
+    if not found:
+        return ["Events: none"]
     shown = [group for group in found if any(fnmatchcase(text, pattern) for text in _names_of(group))]
     if not shown:
         known = list(dict.fromkeys(text for group in found for text in _names_of(group)))
