@@ -126,6 +126,14 @@ class TestCases:
         found = study(folder, "set: {time.end: 2}\ngrid: {parameters.speed: [1]}")
         assert found.overrides(found.cases[0]) == ("time.end=2", "parameters.speed=1")
 
+    def test_a_row_may_replace_a_value_of_all_cases(self, folder):
+        rows = "list: [{parameters.speed: 1}, {parameters.speed: 2, time.end: 3}]"
+        found = study(folder, f"set: {{time.end: 2}}\ngrid: {{time.step: [0.5]}}\n{rows}")
+        settings = [found.overrides(case) for case in found.cases]
+        assert settings[0] == ("time.end=2", "time.step=0.5", "parameters.speed=1")
+        assert settings[1] == ("time.end=3", "time.step=0.5", "parameters.speed=2")
+        assert unvaried_values(found) == {"time.end": 2}
+
 
 @pytest.mark.parametrize(
     "text,place,message",
@@ -146,6 +154,7 @@ class TestCases:
         ("grid: {a.b: {from: 1 N m, to: 2 kg, number: 3}}", "3:", "'a.b': 1 N m and 2 kg are different quantities"),
         ("csv: rows.csv", "3:6", "the table rows.csv cannot be read: No such file or directory"),
         ("grid: {time.end: [1]}\nlist: [{time.end: 2}]", "4:9", "'time.end' is given by 'grid' and by 'list'"),
+        ("set: {time.end: 2}\ngrid: {time.end: [1]}", "4:8", "'time.end' is given by 'set' and by 'grid'"),
         ("grid: {time.end: [1]}\nsignals: {a: time}", "4:1", "'signals' is a section of decks, not of this file"),
         ("grid: {}", "3:1", "grid: must not be empty"),
         ("list: []", "3:7", "'list' must not be empty, got []"),

@@ -8,7 +8,7 @@ EXAMPLE = """\
 study: 1
 title: Touch-down speeds
 deck: nose_gear_rigid.yaml
-set: {parameters.sink: -2.0, time.end: 1.5}                      # the same in all cases
+set: {parameters.sink: -2.0, time.end: 1.5}                      # in all cases
 grid:                                                            # 5 x 2 cases
   parameters.speed: {from: 40 m/s, to: 80 m/s, number: 5}
   tire_laws.nose_tire.radial_damping: [0.1, 0.2]

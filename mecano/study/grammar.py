@@ -90,7 +90,7 @@ FIELDS = (
     Field("study", INTEGER, "-", "version of the study file"),
     Field("title", TEXT, "-", "title of the study", ""),
     Field("deck", TEXT, "-", "file of the deck, relative to the study file"),
-    Field("set", SETTINGS, "-", "values of the deck that are the same in all cases", {}),
+    Field("set", SETTINGS, "-", "values of the deck in all cases; a row of list or csv may replace one", {}),
     Field("grid", CHOICES, "-", "all combinations of values", None, check=not_empty),
     Field("list", list_of(SETTINGS), "-", "rows of values that belong together; 'case' names a row", None,
           check=not_empty),

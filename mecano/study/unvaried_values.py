@@ -1,4 +1,4 @@
-"""Values of the deck that a study varies, but that some of its cases do not give."""
+"""Values of the deck, or of 'set', that a study varies, but that some of its cases do not give."""
 
 from typing import Any
 
@@ -20,7 +20,8 @@ def unvaried_values(study: Study) -> dict[str, float | str]:
     except Unreadable:
         return {}
     root = compose(source, []) if source else None
-    found = {path: _at(root, path.split(".")) for path in missing}
+    common = study.common
+    found = {p: plain_value(common[p].node) if p in common else _at(root, p.split(".")) for p in missing}
     return {path: shown_value(value) for path, value in found.items() if _is_plain(value)}
 
 

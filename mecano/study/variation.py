@@ -16,6 +16,7 @@ from mecano.schema import Values
 from mecano.study.grammar import NAME, Entries, Entry, node_at, node_in_unit, path_of
 
 MOST = 100_000  # cases
+ROWS = {"list", "csv"}  # sources whose rows may replace values of 'set'
 
 
 def rows_of(values: Values, root: Node, source: Callable[[str], Source | None], scope: Scope) -> list[Entries]:
@@ -29,14 +30,15 @@ def rows_of(values: Values, root: Node, source: Callable[[str], Source | None], 
         "latin_hypercube": [_hypercube(values["latin_hypercube"])], "seeds": [_seeds(values["seeds"], root)],
     }  # fmt: skip
     given = {name: tables for name, tables in ways.items() if values[name] is not None}
-    seen = dict.fromkeys(values["set"], "set")
+    seen: dict[str, str] = {}
     for name, tables in given.items():
         entries = {path: entry for rows in tables for row in rows for path, entry in row.items()}
+        common = {} if name in ROWS else dict.fromkeys(values["set"], "set")
         for path, entry in entries.items():
-            if path in seen:
-                scope.refuse(entry.key, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
+            if other := seen.get(path) or common.get(path):
+                scope.refuse(entry.key, f"{quoted(path)} is given by '{other}' and by '{name}': keep one")
             seen[path] = name
-    for name in given.keys() & {"list", "csv"}:
+    for name in given.keys() & ROWS:
         _check_names(given[name][0], scope)
     if not given:
         names = "', '".join(ways)
