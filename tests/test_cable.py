@@ -1,14 +1,17 @@
 """Bars and cables: a fall on a slack rope, a hoist, damping that never pushes, refusals."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.analyses.modal import modes
 from mecano.elements import KINDS
+from mecano.errors import ConvergenceError
 
 g = 9.81
 M, FALL, STIFFNESS = 50.0, 0.5, 5000.0
@@ -105,6 +108,25 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
         drift.append(np.ptp(recorded["energy/balance"]) / np.ptp(recorded["energy/dissipated"]))
     assert drift[1] < 2e-3 and drift[1] < 0.5 * drift[0]
     assert np.all(np.diff(recorded["energy/dissipated"]) >= -1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "said"),
+    [
+        (
+            '"0.5*time"',
+            "t = 0 s: cable 'rope' has 'natural_length' 0 m, at a distance of its nodes of 1 m: it must stay",
+        ),
+        ('"1.2 - time"', "cable 'rope' has 'natural_length' "),
+        ("{linear: {slope: -1, offset: 1.2}}", "cable 'rope' has 'natural_length' "),
+    ],
+)
+def test_a_natural_length_that_vanishes_ends_the_run(length, said, tmp_path):
+    """At the start, where a formula lacks the initial length, or later under a load that the cable cannot lift."""
+    held = "joints: {hold: {type: prescribed_position, node: load, direction: [0, 0, 1], value: 0}}"
+    given = deck(BOUNCE.format(length=length, damping=0, step=1e-3) + f"    {held}\n")
+    with pytest.raises(ConvergenceError, match=re.escape(said)):
+        run(given, tmp_path / "r.h5")
 
 
 def test_the_damping_of_a_cable_is_limited_by_its_elastic_force(verify):

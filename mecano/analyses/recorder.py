@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.analyses.prepare import Prepared
 from mecano.errors import ConvergenceError, ResultsError
-from mecano.model.output_limits import end_text, watched_outputs
+from mecano.model.output_limits import end_text, ended, watched_outputs
 from mecano.model.sampler import Sampler
 from mecano.results.writer import Writer
 from mecano.solve.events.events import EventRecord
@@ -53,6 +53,8 @@ class Recorder:
     def first(self, run: RunState, events: Iterable[EventRecord]) -> None:
         """Write the initial state, after the ``events`` [EventRecord] of the start."""
         self.restarted(run)
+        if text := ended(self.ends, self.row):
+            raise self._ended(run.motion.t, text)
         self.writer.append(run.motion.t, self.row)
         self._append(events)
 
@@ -135,7 +137,11 @@ class Recorder:
         if code == NOT_FINITE:
             raise self._not_finite(t, which)
         if code == ENDED:
-            raise ConvergenceError(f"cannot continue from t = {t:.9g} s: {end_text(self.ends[which], self.row)}")
+            raise self._ended(t, end_text(self.ends[which], self.row))
+
+    @staticmethod
+    def _ended(t, text):
+        return ConvergenceError(f"cannot continue from t = {t:.9g} s: {text}")
 
     def _not_finite(self, t, i):
         """Return the error that names the output of entry ``i`` of the row, which is not finite."""

@@ -72,6 +72,7 @@ from mecano.laws.probe import curve_at
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 STRETCHED = 0.5  # strain
+VANISHING = 1e3  # strain: of a natural length that has fallen to zero
 
 
 @kernel
@@ -267,6 +268,22 @@ def bounds(d):
     return [("tension", (-np.inf, STRETCHED * axial_stiffness(d)), text)]
 
 
+def end_conditions(d):
+    """Return the strain of a line whose varying natural length has fallen to zero, as a formula may at the start."""
+    return [] if _is_constant(d["natural_length"]) else [("strain", VANISHING, _vanished)]
+
+
+def _is_constant(natural):
+    return natural is None or (not is_formula(natural) and {name for name, _ in terms_of(natural)} == {"constant"})
+
+
+def _vanished(output):
+    return (
+        f"has 'natural_length' {output('natural_length'):.3g} m, at a distance of its nodes of {output('length'):.3g} "
+        "m: it must stay greater than zero, such as a length at the start plus that of a winch"
+    )
+
+
 def _of_length(kind, functions):
     """Return the ``kind`` with these ``functions`` of its natural length, a law of time or a formula of signals."""
     return on_demand(kind, functions, "natural_length", of_law_with_rate, with_rate)
@@ -281,6 +298,7 @@ _BAR = Kind(
     prepare=line_record,
     check=check,
     bounds=bounds,
+    end_conditions=end_conditions,
     without_effect=without_effect,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     inertia=line_inertia,
