@@ -1,7 +1,15 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
 from mecano.constraints.along_coordinate.demand import is_formula, reads_of
-from mecano.constraints.along_coordinate.hold import BY_FORMULA, drive_kind, hold_kind, motion_values, release_kind
+from mecano.constraints.along_coordinate.hold import (
+    BY_FORMULA,
+    drive_kind,
+    hold_kind,
+    motion_values,
+    rate_kind,
+    release_kind,
+    signal_rate_kind,
+)
 from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
 from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
@@ -46,6 +54,9 @@ DRIVEN = (
 RELATIVE_ANGLE, DISTANCE, HELD_COORDINATE, DRIVEN_SLIDE = drives_by_law = [drive_kind(*row) for row in DRIVEN]
 DRIVEN_BY_FORMULA = dict(zip(drives_by_law, (drive_kind(*row, BY_FORMULA) for row in DRIVEN), strict=True))
 """The constraints that drive a coordinate by a formula of the time, by those that drive it by a law."""
+DRIVEN_RATE = dict(zip(drives_by_law, (rate_kind(*row) for row in DRIVEN), strict=True))
+DRIVEN_RATE_BY_SIGNAL = dict(zip(drives_by_law, (signal_rate_kind(*row) for row in DRIVEN), strict=True))
+"""The constraints that drive the rate of a coordinate by a law of time or a signal, by the same."""
 
 LAWS = (
     ("slide_law", "Slide law: a force from a law of the sliding; > 0 opposes the sliding.", SLIDE),
@@ -73,7 +84,12 @@ def law_part(kind, axes, law, natural, context, zero=0.0, on=BOTH, label=""):
     return Part(chosen, on, values, label=label, reads=reads_of(natural))
 
 
-def drive_part(kind, on, axes, value, offset, context):
-    """Return the Part that drives the coordinate of ``kind`` of the nodes ``on`` by a law or a formula ``value``."""
-    chosen = DRIVEN_BY_FORMULA[kind] if is_formula(value) else kind
-    return Part(chosen, on, {**axes, **motion_values(value, offset, context)})
+def drive_part(kind, on, axes, given, offset, context, of_rate=False):
+    """Return the Part that drives the coordinate of ``kind`` of the nodes ``on``, or its rate, by a law or a formula.
+
+    ``offset`` is the value of the coordinate where the law, or the integral of its rate, is zero.
+    """
+    if of_rate and is_formula(given):
+        return Part(DRIVEN_RATE_BY_SIGNAL[kind], on, axes, reads=(given,))
+    chosen = DRIVEN_RATE[kind] if of_rate else DRIVEN_BY_FORMULA[kind] if is_formula(given) else kind
+    return Part(chosen, on, {**axes, **motion_values(given, offset, context)})

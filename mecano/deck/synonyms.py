@@ -74,8 +74,8 @@ inline, in line, point on line, pin in slot, slotted link, scotch yoke -> point_
     translations
 geneva, geneva wheel, geneva drive, maltese cross -> contact hinge nonlinear_coupler | a pin that enters and leaves a
     slot touches its walls, capsules, by a contact with a 'law'; without play, the wheel is a function of the crank
-speed motor, given speed, velocity motion, prescribed velocity, prescribed speed -> prescribed_angle integrator
-    acceleration | a drive prescribes an angle: integrate the speed (docs/decks.md, Inverse dynamics)
+speed motor, given speed, velocity motion, prescribed velocity, prescribed speed -> prescribed_angle prescribed_length
+    generic | a drive of given speed has a 'rate', a law of time or a signal
 support, ground joint, fixation, boundary condition, constraint -> nodes fixed prescribed_position held_rotation | a
     node with 'fixed: true' is held; 'ground' may be one of two nodes
 body, link, inertia, lumped mass body -> rigid_body

@@ -314,6 +314,22 @@ class System:
         """Indices (n,), ascending, of the multipliers that signals read."""
         return self._multipliers_of(b for b in self.batches if b.kind.senses)
 
+    @cached_property
+    def driving_signals(self) -> np.ndarray:
+        """Indices (n,), ascending, of the signals without a state that constraints on velocities follow."""
+        found = [np.zeros(0, np.int64)]
+        for b in filter(Batch.constrains_rates, self.batches):
+            found += [b.dofs[:, b.kind.place_of(name)] for name in b.kind.inputs]
+        own = distinct(np.concatenate(found))
+        return own[~self.states[own]]
+
+    @cached_property
+    def feedback(self) -> np.ndarray:
+        """Indices (n,) of the entries of the tangent in rows of constraints and columns of ``driving_signals``."""
+        driving = np.zeros(self.n, bool)
+        driving[self.driving_signals] = True
+        return np.flatnonzero((self.rows >= self.n_q) & driving[self.cols])
+
     def _multipliers_of(self, batches):
         """Return the indices (n,), ascending, of the multipliers to which elements of the ``batches`` are coupled."""
         found = [np.zeros(0, np.int64)]

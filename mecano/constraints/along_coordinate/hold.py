@@ -1,6 +1,7 @@
 r"""Hold a coordinate c: at a constant, :math:`c - c_0 = 0`, or at a motion that drives it, :math:`c - f(t) = 0`.
 
-The motion is a law of time, or a formula of the time, whose two rates are formulas, too.
+The motion is a law of time, or a formula of the time, whose two rates are formulas, too; or the integral from the time
+0 of a law of its rate. A rate u that is a signal is a constraint on velocities, :math:`\dot c - u = 0`.
 
 The multiplier is the force, or the moment, along the coordinate. The difference between an angle and its target is
 reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
@@ -14,15 +15,15 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.augmented_lagrangian import add_constraint
+from mecano.constraints.augmented_lagrangian import add_constraint, add_reaction
 from mecano.constraints.body_fixed import wrap
 from mecano.constraints.coordinates.coordinate import rate_of
-from mecano.element_interface import Kind, Row, named, record
+from mecano.element_interface import UNUSED, Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
 from mecano.laws.formula_rate import with_rates
-from mecano.laws.law_table import evaluate_curve
-from mecano.maths.dual import chain, value
+from mecano.laws.law_table import evaluate_curve, potential
+from mecano.maths.dual import chain, number, value
 
 HELD = 0
 RELEASE_PHASES = ("held", "free")
@@ -48,6 +49,13 @@ def _of_formula(p, at):
 
 
 @kernel
+def _of_rate(p, at):
+    t, (y, y1, _) = value(at.t), evaluate_curve(at.laws, p.law, value(at.t))
+    integral = potential(at.laws, p.law, t) - potential(at.laws, p.law, 0.0)
+    return p.offset + chain(at.t, integral, y), chain(at.t, y, y1)
+
+
+@kernel
 def _evaluated(start, at):
     return value(evaluate_formula(at.laws, start, value(at.t), at.q, 0))
 
@@ -56,20 +64,15 @@ BY_LAW = Motion({"law": "i", "offset": ()}, _of_law)
 """The law is the first field because numba does not distinguish a record from one with the same leading fields.
 Law 0 is zero."""
 BY_FORMULA = Motion({"motion": "i", "rate": "i", "second_rate": "i", "offset": ()}, _of_formula)
+BY_RATE = Motion(BY_LAW.fields, _of_rate)
 
 
-def motion_values(value, offset, context):
-    """Return the values of the fields of a Motion from a checked value: a law, or a formula of the time (text)."""
-    if not is_formula(value):
-        return {"law": context.laws.add(value), "offset": offset}
-    starts = [context.laws.append(formula.numbers) for formula in with_rates(value)]
+def motion_values(given, offset, context):
+    """Return the values of the fields of a Motion from a checked law, or a formula of the time (text)."""
+    if not is_formula(given):
+        return {"law": context.laws.add(given), "offset": offset}
+    starts = [context.laws.append(formula.numbers) for formula in with_rates(given)]
     return {**dict(zip(("motion", "rate", "second_rate"), starts, strict=True)), "offset": offset}
-
-
-def with_motion(make, *names):
-    """Return the Kind ``make(BY_LAW)``; its variant ``make(BY_FORMULA)`` is for a formula in one of the fields."""
-    by_law, by_formula = make(BY_LAW), make(BY_FORMULA)
-    return replace(by_law, variant=lambda d: by_formula if any(is_formula(d[name]) for name in names) else by_law)
 
 
 @kernel
@@ -144,8 +147,46 @@ def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
     return _kind(name, doc, coordinate, row, motion.fields, holding(coordinate, target))
 
 
-def _kind(name, doc, coordinate, row, fields, functions):
+def rate_kind(name, doc, coordinate, row):
+    """Return the Kind that holds a coordinate at the integral of a law of its rate, whose power is given."""
+    moving, multiplier = BY_RATE.at, coordinate.row
+
+    @kernel
+    def observe(p, at, F, y, e):
+        e[3] = at.q[multiplier] * moving(p, at)[1]
+
+    return replace(drive_kind(name, doc, coordinate, row, BY_RATE), **named(observe))
+
+
+def signal_rate_kind(name, doc, coordinate, row):
+    """Return the Kind that holds the rate of a coordinate at its input, a signal; its power is given, too."""
+    gradient, signal = coordinate.gradient, coordinate.row
+    multiplier = signal + 1
+
+    @kernel
+    def excess(p, at):
+        along = gradient(p, at)
+        return rate_of(along, at.v) - number(at.q[signal]), along
+
+    @kernel
+    def residual(p, at, f):
+        Phi, along = excess(p, at)
+        add_reaction(f, at, multiplier, Phi, along)
+
+    @kernel
+    def constraints(p, at, g):
+        g[0, 1] = excess(p, at)[0]
+
+    @kernel
+    def observe(p, at, F, y, e):
+        e[3] = at.q[multiplier] * at.q[signal]
+
+    kind = _kind(name, doc, coordinate, row, {}, named(residual, constraints, observe), "/s")
+    return replace(kind, inputs=("rate",))
+
+
+def _kind(name, doc, coordinate, row, fields, functions, per=""):
     return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **fields), layout=coordinate.layout,
-        multipliers=(Row(row, coordinate.load[1], coordinate.unit),), **functions,
+        name=name, doc=doc, dtype=record(**{**coordinate.axes, **fields} or {UNUSED: ()}), layout=coordinate.layout,
+        multipliers=(Row(row, coordinate.load[1], f"{coordinate.unit}{per}"),), **functions,
     )  # fmt: skip

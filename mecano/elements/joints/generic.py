@@ -6,10 +6,11 @@ tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is :math:`\mu_1 \cdo
 ``about_axis`` is the twist, in :math:`(-\pi, \pi]`. :math:`\mu_1` is chosen as for the hinge.
 
 An axis that is not mentioned is held rigidly by a multiplier. ``free`` lists the free axes, ``compliance`` has the law
-of an elastic axis, ``driven`` the motion of a driven axis since the start, a law or a formula of time. Prefer the
-specific joints (hinge, prismatic, cylindrical, planar, spherical, universal, fixed) where they suffice: they count
-turns, offer friction and stops, and need fewer equations. The assembly rejects :math:`\xi_3 = -\mu_3` if both tilts are
-held.
+of an elastic axis, ``driven`` the motion of a driven axis since the start, a law or a formula of time,
+``driven_rates`` its rate, a law of time, which is integrated exactly from the time 0, or a formula of signals, which
+prescribes velocities. Prefer the specific joints (hinge, prismatic, cylindrical, planar, spherical, universal, fixed)
+where they suffice: they count turns, offer friction and stops, and need fewer equations. The assembly rejects
+:math:`\xi_3 = -\mu_3` if both tilts are held.
 """
 
 from dataclasses import replace
@@ -42,16 +43,16 @@ from mecano.laws.formula import evaluate_formula
 from mecano.laws.law_table import evaluate_curve
 from mecano.maths.dual import number, value
 from mecano.maths.vector import mat
-from mecano.schema import DIRECTION, MOTION, Field, choice, list_of, mapping
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, MOTION, Field, choice, list_of, mapping
 
 RECORD = record(drive=6, row=6, law=6, **AXES_FIELDS)
 RECORD_BY_FORMULA = record(rate=6, drive=6, row=6, law=6, **AXES_FIELDS)
 DRIVABLE = ("along_1", "along_2", "along_axis", "about_axis")
-DRIVEN = mapping(
-    *(
-        Field(axis, MOTION, unit, f"{what} since the start", None)
-        for axis, unit, what in zip(DRIVABLE, ("m", "m", "m", "rad"), ("displacement",) * 3 + ("twist",), strict=True)
-    )
+WHAT = ("displacement", "displacement", "displacement", "twist")
+AXES_DRIVEN = tuple(zip(DRIVABLE, ("m", "m", "m", "rad"), WHAT, strict=True))
+DRIVEN = mapping(*(Field(axis, MOTION, unit, f"{what} since the start", None) for axis, unit, what in AXES_DRIVEN))
+RATES = mapping(
+    *(Field(axis, CONTINUOUS_DRIVE, f"{unit}/s", f"rate of the {what}", None) for axis, unit, what in AXES_DRIVEN)
 )
 
 
@@ -85,8 +86,8 @@ def _observed(rate_of):
     return observe
 
 
-def _driven(d, axis):
-    return (d["driven"] or {}).get(axis)
+def _driven(d, axis, field="driven"):
+    return (d[field] or {}).get(axis)
 
 
 def _by_formula(d):
@@ -111,12 +112,14 @@ def parts(d, nodes, context):
     """Return a constraint or a law for each axis that is not free."""
     p, found = axis_place(d, nodes, context), []
     for axis in _bound(d):
-        if (law := _driven(d, axis)) is None:
+        given, rate = (_driven(d, axis, field) for field in ("driven", "driven_rates"))
+        if given is rate is None:
             found += pair_parts(p, (axis,), d["compliance"], context)
         else:
             axes, start = coordinate_of(axis, p)
             kind = RELATIVE_ANGLE if axis == "about_axis" else DRIVEN_SLIDE
-            found.append(drive_part(kind, BOTH, axes, law, start, context))
+            driven = (given, start, context) if rate is None else (rate, start, context, True)
+            found.append(drive_part(kind, BOTH, axes, *driven))
     return found
 
 
@@ -124,7 +127,8 @@ def check(d, nodes):
     """Check that no axis is given twice, and that at least one is not free."""
     texts = check_axis_1(d, nodes)
     laws = {
-        name: {axis for axis, law in (d[name] or {}).items() if law is not None} for name in ("compliance", "driven")
+        name: {axis for axis, law in (d[name] or {}).items() if law is not None}
+        for name in ("compliance", "driven", "driven_rates")
     }
     given = {"free": set(d["free"]), **laws}
     for axis in AXES:
@@ -154,6 +158,7 @@ GENERIC = Kind(
         AXIS_1,
         Field("free", list_of(choice(*AXES)), "-", "axes along or about which b moves freely", ()),
         Field("driven", DRIVEN, "-", "motions along axes; 1, 2: of mu_1, mu_2", None),
+        Field("driven_rates", RATES, "-", "rates along axes, laws of time or formulas of signals", None),
         compliance_field(AXES),
     ),
     outputs=(
@@ -166,11 +171,12 @@ GENERIC = Kind(
     optional=law_outputs("compliance", AXES),
     observe=_observed(_rate_of_law),
     variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
-    holds=lambda d: () if d["driven"] else rigid_axes(_bound(d), d["compliance"]),
+    holds=lambda d: () if d["driven"] or d["driven_rates"] else rigid_axes(_bound(d), d["compliance"]),
     cases=(
         {},
         {**FIRST, "free": ("about_1",), "driven": {"about_axis": WAVE, "along_2": WAVE}},
         {**FIRST, "driven": {"along_1": "sin(time)", "about_axis": "time**2/2", "along_2": WAVE}},
+        {**FIRST, "driven_rates": {"along_2": WAVE, "along_axis": "command", "about_axis": "command"}},
         {**FIRST, "free": ("along_1", "about_axis"), "compliance": LEAN},
     ),
     **named(prepare, parts, check, admissible),

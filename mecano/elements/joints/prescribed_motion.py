@@ -1,19 +1,24 @@
-r"""Prescribed motions: a coordinate c of one or two nodes is a function of time.
+r"""Prescribed motions: a coordinate c of one or two nodes, or its rate, is a function of time.
 
-.. math::  c - c_0 - f(t) = 0
+.. math::  c - c_0 - f(t) = 0 \qquad \text{or} \qquad c - c_0 - \int_0^t u\, dt = 0
 
 c is the displacement :math:`n \cdot x` of a node along an inertial direction n (``prescribed_position``), the angle of
 node b relative to node a about an axis that another joint keeps aligned (``prescribed_angle``), or the distance
 :math:`|x_b - x_a|` of two nodes, whose ends rotate freely (``prescribed_length``). c_0 is its value in the deck, or
 zero if the deck gives the distance itself; an angle may cover many turns. f is a law of time or a formula of the time.
+The ``rate`` u is a law of time, integrated exactly, or a formula of signals: then :math:`\dot c - u = 0` is a
+constraint on velocities, and c follows from the integration in time.
 The multiplier is the load along c: a force along n, a moment on b about the axis, or a force that pushes the nodes
-apart. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
+apart. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings; with a rate, :math:`k\lambda\, u`.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import motion_values, with_motion
-from mecano.constraints.along_coordinate.law import as_it_is
+from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.hold import BY_FORMULA, BY_LAW, motion_values
+from mecano.constraints.along_coordinate.law import as_it_is, counted
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import rate_of
@@ -24,74 +29,99 @@ from mecano.constraints.joint_nodes import ENDS, NODES, check_apart, distance
 from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
 from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.triads import triad
-from mecano.element_interface import BY_COMMAND, Display, Kind, Output, named, record
+from mecano.element_interface import BY_COMMAND, UNUSED, Display, Kind, Output, named, nothing, record
 from mecano.jit.kernel import kernel
-from mecano.schema import DIRECTION, MOTION, NODE, Field
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, MOTION, NODE, Field
 
-EQUATIONS = __doc__.partition("\n\n")[2]
+EQUATIONS, RATE = __doc__.partition("\n\n")[2], "rate"
 
 
-def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",), **declared):
+def _prescribed(name, what, coordinate, constraint, place, motions=("value",), **declared):
     """Return the Kind of a joint that drives a ``coordinate`` by the Part ``constraint``.
 
-    ``motion_of(d, nodes)`` returns the axes of the coordinate, the motion of the deck and the value to which it counts;
-    ``motions`` are the fields that may give it, ``declared`` other fields of the Kind.
+    ``place(d, nodes)`` returns the axes of the coordinate and the value to which its motion counts; ``motions`` are the
+    fields that may give it, besides its rate, ``declared`` other fields of the Kind.
     """
-    value, gradient, row = coordinate.value, coordinate.gradient, coordinate.row
-    nearest = follow if coordinate.periodic else as_it_is
-    on = tuple(range(len({slot[1] for slot in coordinate.layout})))
-
-    def prepare(d, nodes, context):
-        axes, motion, zero = motion_of(d, nodes)
-        return {**axes, **motion_values(motion, zero, context)}
-
-    def parts(d, nodes, context):
-        axes, motion, zero = motion_of(d, nodes)
-        return [drive_part(constraint, on, axes, motion, zero, context)]
+    on, names = tuple(range(len({slot[1] for slot in coordinate.layout}))), (*motions, RATE)
+    also = declared.pop("check", nothing)
 
     def drives(d):
-        return [d[name] for name in motions if d[name] is not None]
+        return [d[name] for name in names if d[name] is not None]
 
-    def kind(motion):
-        """Return the Kind of a joint whose coordinate follows this motion."""
-        target = motion.at
+    def prepare(d, nodes, context):
+        axes, zero = place(d, nodes)
+        return axes if d[RATE] is not None else {**axes, **motion_values(drives(d)[0], zero, context)}
 
-        @kernel
-        def observe(p, at, F, y, e):
-            wanted, wanted_rate = target(p, at)
-            y[0] = nearest(wanted, value(p, at))
-            y[1] = rate_of(gradient(p, at), at.v)
-            y[2] = at.q[row]
-            e[3] = at.q[row] * wanted_rate
+    def parts(d, nodes, context):
+        axes, zero = place(d, nodes)
+        return [drive_part(constraint, on, axes, drives(d)[0], zero, context, d[RATE] is not None)]
 
-        return Kind(
-            name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout,
-            dtype=record(**coordinate.axes, **motion.fields), **named(prepare, parts, drives, observe), **declared,
-        )  # fmt: skip
+    def check(d, nodes):
+        once = [f"give one of {' and '.join(map(repr, names))}"] if len(drives(d)) != 1 else []
+        return once + also(d, nodes)
 
-    return with_motion(kind, *motions)
+    def variant(d):
+        return of_rate if d[RATE] is not None else by_formula if any(map(is_formula, drives(d))) else by_law
+
+    declared["fields"] += (_rate_field(coordinate),)
+    by_law = Kind(
+        name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout, **declared,
+        **named(prepare, parts, drives, check, variant), **_of_motion(coordinate, BY_LAW),
+    )  # fmt: skip
+    by_formula = replace(by_law, **_of_motion(coordinate, BY_FORMULA))
+    of_rate = replace(by_law, **_of_rate(coordinate))
+    return by_law
+
+
+def _rate_field(coordinate):
+    """Return the field of the rate of a ``coordinate``."""
+    doc = "rate, instead: a law of time or a formula of signals; the motion is its integral from the time 0"
+    return Field(RATE, CONTINUOUS_DRIVE, f"{coordinate.unit}/s", doc, None)
+
+
+def _of_motion(coordinate, motion):
+    """Return the record and ``observe`` of a joint whose ``coordinate`` follows this ``motion``."""
+    value, gradient, row, target = coordinate.value, coordinate.gradient, coordinate.row, motion.at
+    nearest = follow if coordinate.periodic else as_it_is
+
+    @kernel
+    def observe(p, at, F, y, e):
+        wanted, wanted_rate = target(p, at)
+        y[0] = nearest(wanted, value(p, at))
+        y[1] = rate_of(gradient(p, at), at.v)
+        y[2] = at.q[row]
+        e[3] = at.q[row] * wanted_rate
+
+    return {"dtype": record(**coordinate.axes, **motion.fields), **named(observe)}
+
+
+def _of_rate(coordinate):
+    """Return the same of a joint that drives the rate, whose part has its power; the memory counts turns."""
+    count, gradient, row = counted(coordinate), coordinate.gradient, coordinate.row
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0], y[1], y[2] = count(p, at), rate_of(gradient(p, at), at.v), at.q[row]
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = count(p, at)
+
+    turns = {"memory": ("angle",), "commit": commit} if coordinate.periodic else {}
+    return {"dtype": record(**coordinate.axes or {UNUSED: ()}), **named(observe), **turns}
 
 
 def _displacement(d, nodes):
-    return {"direction": triad(d["direction"])[2], "origin": np.asarray(nodes[0][0])}, d["value"], 0.0
+    return {"direction": triad(d["direction"])[2], "origin": np.asarray(nodes[0][0])}, 0.0
 
 
 def _angle(d, nodes):
     mu = triad(d["axis"])
-    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1]}, d["value"], 0.0
+    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1]}, 0.0
 
 
 def _length(d, nodes):
-    if d["length"] is not None:
-        return {}, d["length"], 0.0
-    return {}, d["value"], distance(nodes)
-
-
-def _check_length(d, nodes):
-    """Check that there is one law, and an initial direction."""
-    if (d["length"] is None) == (d["value"] is None):
-        return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
-    return check_apart(d, nodes)
+    return {}, 0.0 if d["length"] is not None else distance(nodes)
 
 
 def _sine(amplitude, frequency, offset):
@@ -99,6 +129,7 @@ def _sine(amplitude, frequency, offset):
     return (("sine", {"amplitude": amplitude, "frequency": frequency, "phase": 0.4, "offset": offset}),)
 
 
+RATES = {"rate": _sine(0.3, 0.2, 0.1)}, {"rate": "command"}  # of samples
 PRESCRIBED_POSITION = _prescribed(
     "prescribed_position", "Displacement of a node along an inertial direction, as a function of time", DISPLACEMENT,
     HELD_COORDINATE, _displacement,
@@ -106,14 +137,14 @@ PRESCRIBED_POSITION = _prescribed(
     fields=(
         Field("node", NODE, "-", "node that is moved"),
         Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
-        Field("value", MOTION, "m", "displacement from the position in the deck"),
+        Field("value", MOTION, "m", "displacement from the position in the deck", None),
     ),
     outputs=(
         Output("displacement", "m", "displacement of the node along the direction", rate="velocity"),
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "force on the node along the direction"),
     ),
-    cases=({"value": _sine(0.3, 0.7, 0.1)}, {"value": "time**2/2"}),
+    cases=({"value": _sine(0.3, 0.7, 0.1)}, {"value": "time**2/2"}, *RATES),
 )  # fmt: skip
 PRESCRIBED_ANGLE = _prescribed(
     "prescribed_angle", "Rotation of node b relative to node a about an axis, as a function of time", TWIST,
@@ -124,13 +155,13 @@ PRESCRIBED_ANGLE = _prescribed(
     fields=(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),
-        Field("value", MOTION, "rad", "rotation of b relative to a since the start"),
+        Field("value", MOTION, "rad", "rotation of b relative to a since the start", None),
     ),
     outputs=(
         *angle_outputs("rotation of b relative to a about the axis since the start"),
         Output("moment", "N m", "moment of a on b about the axis"),
     ),
-    cases=({"value": _sine(30.0, 0.2, 4.0)}, {"value": "9*sin(time/4)"}),
+    cases=({"value": _sine(30.0, 0.2, 4.0)}, {"value": "9*sin(time/4)"}, *RATES),
 )  # fmt: skip
 PRESCRIBED_LENGTH = _prescribed(
     "prescribed_length", "Distance of two nodes as a function of time, as for a driven strut or leg", DISTANCE,
@@ -146,6 +177,6 @@ PRESCRIBED_LENGTH = _prescribed(
         Output("rate", "m/s", "rate of the length"),
         Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
     ),
-    check=_check_length,
-    cases=({"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}),
+    check=check_apart,
+    cases=({"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}, *RATES),
 )  # fmt: skip

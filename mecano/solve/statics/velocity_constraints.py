@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.errors import AssemblyError
+
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
@@ -36,12 +38,25 @@ class Held:
     square_places: np.ndarray  # their indices in the values of the tangent
 
 
+def _refuse_driven(system):
+    driven = [b.names[0] for b in system.batches if b.constrains_rates() and b.kind.inputs]
+    if driven:
+        raise AssemblyError(
+            f"{driven[0]} prescribes a rate by a signal, which no equilibrium has: start the search from a deck "
+            "without it, or give a law of time as the rate"
+        )
+
+
 class VelocityConstraints:
     """The constraints on velocities of a system, as constraints on displacements."""
 
     def __init__(self, system: "System", released: np.ndarray):
-        """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out."""
+        """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out.
+
+        Raises AssemblyError for rates that signals prescribe, which a body at rest does not have.
+        """
         self.system = system
+        _refuse_driven(system)
         of_rates = system.numbering.of_rates.copy()
         of_rates[released] = False
         of_row = np.zeros(system.n, bool)

@@ -260,6 +260,10 @@ def consistent_state(
     if (len(consistent.massless.own) and driven) or len(system.sensed_multipliers):
         consistent.settle(s, h)
         consistent.accelerate(s)
+    if len(system.driving_signals):
+        from mecano.solve.time.driving_signals import settle_driving_signals  # few models have any
+
+        settle_driving_signals(consistent, s, h)
     return s, consistent
 
 

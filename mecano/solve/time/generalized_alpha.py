@@ -128,7 +128,9 @@ class GeneralizedAlpha:
             increment_tolerance=to.increment, most=to.max_iterations, increment=self.increment, kind=self._kind,
             n_massless=len(self._massless), massless=self._massless,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
-            penalty_share=self.penalty_share, exact_rates=exact_rates, solve=new.function, solve_words=new.words,
+            penalty_share=self.penalty_share, exact_rates=exact_rates,
+            n_feedback=len(self.system.feedback), feedback=self.system.feedback,
+            solve=new.function, solve_words=new.words,
             solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
             substitute_words=kept.words,
         )  # fmt: skip

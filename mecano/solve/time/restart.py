@@ -154,12 +154,13 @@ class Restart(Pointers):
         self.point_to_loops(jump=system.loops(commit, Batch.follows_jumps))
         call = restart.call_from_compiled_code(self.record, method.workspace.record)
         self.point_to(restart=call.function, restart_words=call.words)
-        self._by_multipliers = bool(len(system.coupled_multipliers) or len(system.sensed_multipliers))
+        coupled = system.coupled_multipliers, system.sensed_multipliers, system.driving_signals
+        self._coupled = any(map(len, coupled))
 
     def prepare(self) -> bool:
         """Prepare the restarts that follow; return whether the present model admits them."""
         method = self.method
-        if self._by_multipliers or len(method.released):
+        if self._coupled or len(method.released):
             return False
         self.mass.use(method.compliance)
         self.mass.record["length"] = method.length

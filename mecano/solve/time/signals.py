@@ -53,6 +53,15 @@ def refuse_undetermined(system: "System", s: "State") -> None:
         _refuse_undetermined(equations, _solve(equations, s))
 
 
+def rates_along(system: System, s: State, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return rates and second rates (n,) of signals without a state along the accelerated motion of ``s``.
+
+    By forward differences over ``dt`` [s].
+    """
+    now, next_, after = (_solve(system.kept(_Equations), moved(s, i * dt, system.numbering)).z for i in range(3))
+    return (4.0 * next_ - 3.0 * now - after) / (2.0 * dt), (now - 2.0 * next_ + after) / (dt * dt)
+
+
 def _find_rates(equations, s, dt):
     """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
     system, along = equations.system, s.unaccelerated()

@@ -189,7 +189,16 @@ def assemble_scaled(w, h, as_given):
     """
     scale_constraints(w, h, as_given)
     assemble_at_tangent(w, 1.0, w.cC, w.cM)
+    omit_feedback(w)
     soften_tangent(w, system_of(w)[0], 1.0)
+
+
+@kernel
+def omit_feedback(w):
+    """Omit how the rates that constraints on velocities follow depend on velocities: they are known here."""
+    data, feedback = floats(system_of(w)[0].data, w.nnz), integers(w.feedback, w.n_feedback)
+    for i in range(w.n_feedback):
+        data[feedback[i]] = 0.0
 
 
 @kernel
