@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from convergence import at_times
 from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
@@ -252,3 +253,85 @@ def test_gears_and_couplers_turn_as_long_as_they_like():
     for shaft, angle in (("a", 10500.0), ("b", -5250.0), ("c", -15000.0)):
         assert recorded[f"joints/bearing_{shaft}/angle"][-1] == pytest.approx(angle, rel=1e-12)
     assert recorded.run.iterations < 2.0 * recorded.run.steps
+
+
+FLYWHEELS = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+    elements:
+      first: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 0.3]}
+      second: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 0.2]}
+    joints:
+      shaft_a: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}
+      shaft_b: {type: hinge, nodes: [ground, b], axis: [0, 0, 1]}
+      variator: {type: coupler, angles: [shaft_b, shaft_a], ratio: RATIO}
+    initial: {velocities: [{nodes: [a], angular_velocity: [0, 0, 10]}, {nodes: [b], angular_velocity: [0, 0, 5]}]}
+    time: {end: 2, step: STEP}
+    """
+RAMP = "{step: {time: 0.5, rise: 1, from: 0.5, to: 2}}"
+
+
+def _ramp(t):
+    u = np.clip(t - 0.5, 0.0, 1.0)
+    return 0.5 + 1.5 * u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 45.0 * u**2 * (1.0 - u) ** 2
+
+
+@pytest.mark.parametrize("ratio", [RAMP, '"0.5 + 1.5*step(time, 0.5, 1.5)"'], ids=["law", "signal"])
+def test_two_flywheels_keep_their_energy_while_the_ratio_is_ramped(verify, ratio):
+    """(J_a + J_b r^2) w^2 is constant; the moment on b is J_b (r w)'."""
+    runs = [RecordedRun(deck(FLYWHEELS.replace("RATIO", ratio).replace("STEP", step))) for step in ("4e-3", "2e-3")]
+    t = np.arange(0.6, 1.45, 0.1)
+    found = [
+        np.concatenate([at_times(m, m[f"joints/{name}"], t) for name in ("shaft_a/rate", "variator/load_1")])
+        for m in runs
+    ]
+    r, slope = _ramp(t)
+    inertia = 0.3 + 0.2 * r**2
+    rate = 10.0 * np.sqrt((0.3 + 0.2 * 0.25) / inertia)
+    moment = 0.2 * slope * rate * (1.0 - 0.2 * r**2 / inertia)
+    what = f"two flywheels, ratio ramped by a {'law' if ratio is RAMP else 'signal'}: rate [rad/s], moment [N m]"
+    verify.second_order("Coupler", what, *found, np.concatenate([rate, moment]), 3e-6, "energy")
+    for m in runs:
+        energy = m["energy/kinetic"]
+        np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
+        power = m["joints/variator/load_1"] * m["joints/shaft_b/rate"] + (
+            m["joints/variator/load_2"] * m["joints/shaft_a/rate"]
+        )
+        np.testing.assert_allclose(power, 0.0, atol=1e-9)
+        assert not m["energy/given"].any() and not m["energy/dissipated"].any()
+
+
+def test_a_ratio_that_depends_on_an_angle():
+    """b' = (1/2 + a/20) a' is b = a/2 + a^2/40, and the energy is kept."""
+    m = RecordedRun(deck(FLYWHEELS.replace("RATIO", "0.5 + shaft_a.angle/20").replace("STEP", "1e-3")))
+    a, b, rate = m["joints/shaft_a/angle"], m["joints/shaft_b/angle"], m["joints/shaft_a/rate"]
+    np.testing.assert_allclose(b, a / 2.0 + a**2 / 40.0, rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose((0.3 + 0.2 * (0.5 + a / 20.0) ** 2) * rate**2, 35.0, rtol=1e-6)
+
+
+def test_a_ratio_that_depends_on_a_speed():
+    """A governed ratio 1/2 + w/20: with the energy also w is constant, until a moment acts."""
+    text = FLYWHEELS.replace("RATIO", "shaft_a.rate/20").replace("STEP", "1e-3")
+    m = RecordedRun(deck(text))
+    np.testing.assert_allclose(m["joints/shaft_a/rate"], 10.0, rtol=1e-9)
+    m = RecordedRun(
+        deck(text.replace("initial:", "loads: {push: {type: joint_moment, joint: shaft_a, value: 1}}\n    initial:"))
+    )
+    a, w = m["joints/shaft_a/angle"], m["joints/shaft_a/rate"]
+    np.testing.assert_allclose(0.15 * w**2 + 0.1 * (w**2 / 20.0) ** 2, 17.5 + a, rtol=1e-6)
+    # J_a w' + r J_b (r w)' = M with r w = w^2/20
+    assert m["joints/variator/load_1"][0] == pytest.approx(0.2 / (0.3 + 0.2 * 0.5 * 1.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("ratio: 1, factors: [1, 1]", "'ratio' and 'factors' exclude one another"),
+        ("ratio: sign(time - 1)", "a set point must not jump"),
+        ("constant: 1", "'factors' must have 2 numbers"),
+    ],
+)
+def test_errors_of_a_ratio(given, message):
+    with pytest.raises(DeckError, match=message):
+        deck(FLYWHEELS.replace("ratio: RATIO", given).replace("STEP", "1e-3"))

@@ -151,7 +151,7 @@ def test_errors_of_decks(given, message):
 
 
 def test_a_search_for_an_equilibrium_refuses_a_rate_by_a_signal():
-    text = PENDULUM.format(rate="0.1*sin(time)", step=1e-3, more="").replace("time: {", "initial: static\n    time: {")
+    text = PENDULUM.format(rate="0.1*cos(time)", step=1e-3, more="").replace("time: {", "initial: static\n    time: {")
     with pytest.raises(AssemblyError, match="'motor' prescribes a rate by a signal"):
         RecordedRun(deck(text))
 

@@ -31,6 +31,7 @@ non circular gear, noncircular gear, elliptical gear, transmission function, pos
     drive, function generator -> nonlinear_coupler | one coordinate of a joint as a function of that of another one
 rack, pinion -> rack_and_pinion
 gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear -> gear_pair rack_and_pinion
+cvt, variator, continuously variable, variable ratio -> coupler | a coupler with a 'ratio', a law of time or a signal
 oldham, oldham coupling -> prismatic hinge | two prismatic joints across one another, and a disc between them, join
     shafts on hinges
 swash plate, wobble plate -> hinge spherical prismatic | a body on an inclined hinge, which pushes rods on spherical

@@ -20,6 +20,13 @@ the ``regularization``, 1 beyond: the load along :math:`c_1` is :math:`\lambda -
 :math:`h_i/h_1\,(\lambda + F_r/2)`. If coordinate 1 drives (:math:`\lambda\dot w < 0`), all the others together
 receive :math:`\eta` times its power; if they drive, it receives the ``backdriving_efficiency`` times theirs.
 
+With a ``ratio`` r, a law of time or a signal, two coordinates are coupled by their rates, as by a continuously variable
+transmission:
+
+.. math::  \dot c_1 - r\,\dot c_2 = 0
+
+The load along :math:`c_2` is :math:`-r` times the multiplier: whatever the ratio does, both loads together do no work.
+
 Angles and displacements are zero at the start. A cable by which a second hinge turns twice as far as the first one, in
 the opposite direction, has ``angles: [first, second]`` and ``factors: [2, 1]``.
 """
@@ -29,6 +36,7 @@ from functools import cache
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import LAW, is_formula, law_of, of_input
 from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
@@ -45,10 +53,11 @@ from mecano.constraints.joint_coordinates import (
 )
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
-from mecano.element_interface import Display, Kind, Output, Part, named, with_fields
+from mecano.element_interface import Display, Kind, Output, Part, Row, named, with_fields
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve
 from mecano.maths.dual import number
-from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero, positive
+from mecano.schema import CONTINUOUS_DRIVE, NUMBER, Field, joint_with, list_of, not_zero, positive
 
 COORDINATES = {"angles": ("angle", TWIST), "displacements": ("displacement", SLIDE)}
 DISSIPATED = Output("dissipated_power", "W", "power dissipated, with friction")
@@ -151,6 +160,52 @@ def observe_lossy(p, at, F, y, e):
     y[n] = loss * rate
 
 
+@kernel
+def _ratio_of_law(p, at):
+    """Return the ratio of rates at the time, a Dual if the time is one."""
+    return curve(at.laws, p.law, at.t)
+
+
+def _variable(kind, by_signal):
+    """Return the variant of a ``kind`` of two coordinates with a ratio of their rates, a law of time or a signal."""
+    signal = 3 * len(kind.layout)
+    row, ratio_of = signal + by_signal, of_input(signal) if by_signal else _ratio_of_law
+
+    @kernel
+    def slip(p, at):
+        """Return the rate that violates the constraint, and the ratio."""
+        ratio = ratio_of(p, at)
+        return rate_along(p, at, 0) - ratio * rate_along(p, at, 1), ratio
+
+    @kernel
+    def residual(p, at, f):
+        Phi, ratio = slip(p, at)
+        f[row] -= at.k * Phi
+        load = -number(at.q[row]) + at.penalty * Phi
+        add_load(p, at, f, 0, load)
+        add_load(p, at, f, 1, -ratio * load)
+
+    @kernel
+    def constraints(p, at, g):
+        g[0, 1] = slip(p, at)[0]
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0], y[1] = at.q[row], -ratio_of(p, at) * at.q[row]
+
+    first = kind.multipliers[0]
+    return replace(
+        kind, name="variable_coupler", dtype=with_fields(kind.dtype, law="i"), inputs=("ratio",) * by_signal,
+        multipliers=(Row(first.name, first.unit, f"{first.constraint_unit}/s"),),
+        prepare=_prepare_variable, **named(residual, constraints, observe),
+    )  # fmt: skip
+
+
+def _prepare_variable(d, nodes, context):
+    """Return the axes of both coordinates, and the law of the ratio."""
+    return {**prepare({**d, "factors": (1.0, 1.0)}, nodes, context), "law": law_of(d["ratio"], context)}
+
+
 def _joints(d):
     """Return [(output, checked values of the joint)] of all coordinates, in their order."""
     return [(output, joint) for field, (output, _) in COORDINATES.items() for joint in d[field]]
@@ -209,6 +264,10 @@ def check(d, nodes):
         for field in COORDINATES
         if len({id(joint) for joint in d[field]}) < len(d[field])
     ]
+    if d["ratio"] is not None:
+        other = [name for name in ("factors", "constant", "friction") if d[name]]
+        texts += ["'ratio' is that of the rates of two coordinates"] * (n != 2)
+        return texts + [f"'ratio' and {name!r} exclude one another" for name in other]
     if len(d["factors"]) != n:
         given = len(d["factors"])
         texts.append(f"'factors' must have {n} numbers: of the 'angles', then the 'displacements'; it has {given}")
@@ -230,6 +289,10 @@ def sample(rng):
         places = [place for _ in range(n) for place in two_places(rng)]
         dry = {"efficiency": 0.8, "backdriving_efficiency": -0.2, "regularization": 0.6}
         samples += [(d, places, ""), ({**d, "friction": dry}, places, "")]
+        if n == 2:
+            samples += [
+                ({**d, "factors": (), "constant": 0.0, "ratio": ratio}, places, "") for ratio in (LAW, "command")
+            ]
     return samples
 
 
@@ -241,14 +304,19 @@ def _declarations(turns, slides):
 
 
 @cache
-def _of_size(turns, slides, lossy=False):
+def _of_size(turns, slides, lossy, by_signal):
     coordinates = [TWIST] * turns + [SLIDE] * slides
     loads = (
         Output(f"load_{i}", c.load[1], f"{c.load[0]} along coordinate {i}, > 0 increases it")
         for i, c in enumerate(coordinates, 1)
     )
     kind = replace(COUPLER, variant=None, outputs=tuple(loads), **_declarations(turns, slides))
-    return _lossy(kind) if lossy else kind
+    return _lossy(kind) if lossy else kind if by_signal is None else _variable(kind, by_signal)
+
+
+def _variant(d):
+    by_signal = None if d["ratio"] is None else is_formula(d["ratio"])
+    return _of_size(len(d["angles"]), len(d["displacements"]), d["friction"] is not None, by_signal)
 
 
 COUPLER = Kind(
@@ -257,8 +325,10 @@ COUPLER = Kind(
         Field("angles", list_of(joint_with("angle")), "-", "joints whose angles are the first coordinates", ()),
         Field("displacements", list_of(joint_with("displacement")), "-", "joints whose displacements follow", ()),
         Field("factors", list_of(NUMBER, not_zero), "-", "h_i, of the angles and then of the displacements; the ratio "
-              "of two has the unit that makes the terms alike"),
+              "of two has the unit that makes the terms alike", ()),
         Field("constant", NUMBER, "-", "c, in the unit of h_1 c_1", 0.0),
+        Field("ratio", CONTINUOUS_DRIVE, "-", "instead of factors: rate of coordinate 1 over that of coordinate 2, a "
+              "law of time or a formula of signals", None),
         friction_field(
             "from the other coordinates to the first one",
             Field("regularization", NUMBER, "-", "rate of coordinate 1, in its unit per second, at which friction "
@@ -270,7 +340,7 @@ COUPLER = Kind(
         Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),
         DISSIPATED,
     ),
-    variant=lambda d: _of_size(len(d["angles"]), len(d["displacements"]), d["friction"] is not None),
+    variant=_variant,
     **named(prepare, check, residual, constraints, observe, sample),
     **_declarations(1, 0),
 )  # fmt: skip

@@ -11,7 +11,7 @@ order in its steps, and exact if B is constant along it (a wheel that rolls stra
 redundant rows (two wheels on one axle) are always consistent.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,37 +38,28 @@ class Held:
     square_places: np.ndarray  # their indices in the values of the tangent
 
 
-def _refuse_driven(system):
-    driven = [b.names[0] for b in system.batches if b.constrains_rates() and b.kind.inputs]
-    if driven:
-        raise AssemblyError(
-            f"{driven[0]} prescribes a rate by a signal, which no equilibrium has: start the search from a deck "
-            "without it, or give a law of time as the rate"
-        )
-
-
 class VelocityConstraints:
     """The constraints on velocities of a system, as constraints on displacements."""
 
     def __init__(self, system: "System", released: np.ndarray):
-        """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out.
-
-        Raises AssemblyError for rates that signals prescribe, which a body at rest does not have.
-        """
+        """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out."""
         self.system = system
-        _refuse_driven(system)
         of_rates = system.numbering.of_rates.copy()
         of_rates[released] = False
         of_row = np.zeros(system.n, bool)
         of_row[system.n_q :] = of_rates
         self.entries = np.flatnonzero(of_row[system.rows] & (system.cols < system.n_q))
         self.rows, self.cols = system.rows[self.entries] - system.n_q, system.cols[self.entries]
-        self.any = bool(of_rates.any())
+        self._of_rates, self.any = of_rates, bool(of_rates.any())
 
     def at(self, s: "State") -> Held | None:
-        """Return the Held of ``s`` at rest, or None without constraints on velocities."""
+        """Return the Held of ``s`` at rest, or None without constraints on velocities.
+
+        Raises AssemblyError for a rate that is prescribed, which a body at rest does not have.
+        """
         if not self.any:
             return None
+        self._refuse_prescribed(s)
         import scipy.sparse as sp  # takes 0.2 s to import, hence only when needed
 
         system = self.system
@@ -78,6 +69,15 @@ class VelocityConstraints:
         pattern = system.rows * system.n + system.cols
         places = np.searchsorted(pattern, squares.row.astype(np.int64) * system.n + squares.col)
         return Held(B, values, squares.data, places)
+
+    def _refuse_prescribed(self, s):
+        rates = self.system.constraint_derivatives(replace(s, v=np.zeros_like(s.v)))[:, 1]
+        if len(prescribed := np.flatnonzero(self._of_rates & (rates != 0.0))):
+            name = self.system.numbering.name[self.system.n_q + prescribed[0]]
+            raise AssemblyError(
+                f"{name.place} prescribes a rate by a signal, which no equilibrium has: start the search from a deck "
+                "without it, or give a law of time as the rate"
+            ).about([name.place])
 
     def add(
         self, assembly: "Assembly", held: Held, displacement: np.ndarray, k: float, penalty: float, tangent: bool
