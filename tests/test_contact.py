@@ -105,6 +105,29 @@ def test_newtons_cradle(verify):
     np.testing.assert_allclose(run["energy/balance"], run["energy/balance"][0], atol=1e-4 * momentum)
 
 
+def test_a_row_of_balls_that_is_hit_slowly_moves_on_together():
+    """Below the rest speed the impact of a row of touching balls is one: all have a fifth of the speed after it."""
+    v, places = 1e-5, [-1e-7, 0.1, 0.2, 0.3, 0.4]
+    nodes = ", ".join(f"b{i}: {{position: [{x}, 0, 0]}}" for i, x in enumerate(places))
+    body, ball = "mass: 1, inertia: [1e-3, 1e-3, 1e-3]", "sphere: {radius: 0.05}, radius: 0.05, restitution: 0.8"
+    elements = [f"ball{i}: {{type: rigid_body, node: b{i}, {body}}}" for i in range(5)]
+    elements += [f"c{i}: {{type: contact, nodes: [b{i}, b{i + 1}], {ball}}}" for i in range(4)]
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{{nodes}}}
+        elements: {{{", ".join(elements)}}}
+        initial: {{velocities: [{{nodes: [b0], velocity: [{v}, 0, 0]}}]}}
+        time: {{end: 0.02, step: 1 ms}}
+    """)
+    )
+    np.testing.assert_allclose([event.t for event in run.event_records], 0.01, rtol=1e-6)
+    assert len({event.t for event in run.event_records}) == 1
+    np.testing.assert_allclose([event.impulse for event in run.event_records], v * np.array([4, 3, 2, 1]) / 5)
+    np.testing.assert_allclose([run[f"nodes/b{i}/velocity"][-1, 0] for i in range(5)], v / 5)
+
+
 def test_a_row_of_masses_on_rods_keeps_its_energy():
     """Spheres around point masses, on nodes whose rotations have no mass: the first passes its speed to the last.
 

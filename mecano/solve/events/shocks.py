@@ -146,21 +146,27 @@ class Shocks:
         """Return the events ``hit`` (n_events,) bool and the impacts that follow within TOGETHER of a step ``h`` [s].
 
         The motions of identical parts of a model differ by rounding; this makes them lock at the same instant. A
-        contact that touches at rest is not added: if the impact reaches it, it follows. Once impacts of a contact have
-        repeated at this instant until its rebound is suppressed, all contacts that touch are solved for together, as
-        impacts that run to and fro between contacts would fade without end.
+        contact that touches at rest is not added: if the impact reaches it, it follows. All contacts that touch are
+        solved for together where impacts would run to and fro between them and fade without end: if none of those that
+        close rebounds, and once the impacts of a contact have repeated at this instant until its rebound is suppressed.
         """
         hit, g = hit.copy(), self.monitor.values(s)
         due, hitting = self.impact_candidates.due(hit, g), self.impact_candidates.split(hit)[0]
+        rates = self._derivatives(s, due + hitting)[:, 1]
         if due:
-            rates = self._derivatives(s, due + hitting)[:, 1]
             least = STILL * max(abs(rates[c.lead]) for c in hitting)
             for c in due:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > least and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
-        if np.isinf(self.rest).any():
+        if np.isinf(self.rest).any() or self._are_slow(hitting, rates):
             hit[[c.event for c in self.impact_candidates.opening.near(g, self.near)]] = True
         return hit
+
+    def _are_slow(self, hitting, rates):
+        """Return whether some contacts close at their ``rates`` (n_l,), but none so fast that it rebounds."""
+        speeds = [-rates[c.lead] for c in hitting]
+        slow = all(v <= self.rest[c.lead] and c.restitution >= 0.0 for v, c in zip(speeds, hitting, strict=True))
+        return slow and max(speeds, default=0.0) > 0.0
 
     def _derivatives(self, s, candidates):
         """Return the constraint derivatives (n_l, 3) at ``s`` with the constraints of some candidates active."""
