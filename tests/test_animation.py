@@ -316,7 +316,7 @@ def test_a_film_is_recorded_by_a_busy_machine(results, tmp_path):
     for (const end = performance.now() + 1500; performance.now() < end; );
     for (let i = 0; i < 1600 && !saved(); i++) await new Promise(done => setTimeout(done, 50));
     return saved() ? film.saved : -1;
-    """, width=500, served=True)  # fmt: skip
+    """, width=500)  # fmt: skip
     assert size > 1000
 
 
