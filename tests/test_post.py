@@ -21,7 +21,7 @@ from mecano.cli import commands
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
-from mecano.post import configurations, draw_panel, figure, plans, report_page, sheets, style
+from mecano.post import configurations, draw_panel, figure, pictures, plans, report_page, sheets, style
 from mecano.post.animation import animate
 from mecano.post.configurations import configurations_figure
 from mecano.post.curve_styles import CurveStyles
@@ -271,8 +271,12 @@ def test_angles_of_rounding_errors_are_not_shown(runs, unit):
         assert len(worth_showing([Panel("angle", (Curve(angle, small, 0, "a"),))], runs)) == shown
 
 
-def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
+def test_all_default_pictures_are_drawn_with_labels_and_units(path, tmp_path, shown, monkeypatch):
+    drawn = {}
     monkeypatch.setitem(style.SETTINGS, "figure.dpi", 60)
+    monkeypatch.setattr(
+        pictures, "save", lambda made, target: (drawn.update({target: made}), figure.save(made, target))
+    )
     written = list(post([path], output=f"{tmp_path}/pictures/", columns=True))
     assert {p.name for p in written if p.suffix == ".png"} == {f"each_{name}.png" for name in ["overview", *shown]}
     assert {p.name for p in written if p.suffix == ".csv"} == {f"each_{n}.csv" for n in shown if n != "mechanism"}
@@ -280,6 +284,13 @@ def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
         if picture.suffix == ".png":
             pixels = matplotlib.image.imread(picture)
             assert min(pixels.shape[:2]) > 120 and 0.01 < np.mean(pixels[..., :3].min(axis=2) < 0.9) < 0.5
+    for name, sheet in shown.items():
+        axes = drawn[tmp_path / "pictures" / f"each_{name}.png"].axes
+        for ax, panel in zip(axes, sheet.panels, strict=True):
+            if isinstance(panel, Panel):
+                unitless = panel.curves[0].y.unit in ("", "-")
+                assert ax.get_ylabel() and ("[" in ax.get_ylabel()) != unitless
+                assert "[" in ax.get_xlabel()
 
 
 @pytest.mark.parametrize("call", [
@@ -296,16 +307,6 @@ def test_files_are_closed_when_they_are_drawn(tmp_path, call):
     assert own.resolve() not in [link.resolve() for link in links]
 
 
-def test_every_axis_has_a_label_and_a_unit(shown):
-    for sheet in shown.values():
-        drawn = figure.sheet_figure(sheet, "title")
-        for ax, panel in zip(drawn.axes, sheet.panels, strict=True):
-            if isinstance(panel, Panel):
-                unitless = panel.curves[0].y.unit in ("", "-")
-                assert ax.get_ylabel() and ("[" in ax.get_ylabel()) != unitless
-                assert "[" in ax.get_xlabel()
-
-
 def test_the_picture_of_the_solver_explains_what_is_a_large_residual_and_error(shown):
     notes = {panel.label: panel.note for panel in shown["solver"].panels}
     assert notes["residuals over their tolerances"].startswith("below 1: converged")
@@ -313,11 +314,16 @@ def test_the_picture_of_the_solver_explains_what_is_a_large_residual_and_error(s
     assert all(notes.values())
 
 
-def test_events_are_lines_with_marks_that_a_legend_explains(tmp_path):
-    events = ((0.5, "touch_down"), (0.501, "lift_off"), (1.0, "touch_down"))
-    runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
+def wheels_with(events, folder, panels=None):
+    """Return the sheet of wheels with these events, of so many panels, and its figure."""
+    runs = open_runs([every_kind.write(folder / "events.h5", events=events)])
     wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
-    drawn = figure.sheet_figure(wheels, "title")
+    wheels = replace(wheels, panels=wheels.panels[:panels])
+    return wheels, figure.sheet_figure(wheels, "title")
+
+
+def test_events_are_lines_with_marks_that_a_legend_explains(tmp_path):
+    wheels, drawn = wheels_with(((0.5, "touch_down"), (0.501, "lift_off"), (1.0, "touch_down")), tmp_path)
     assert [line.get_xdata()[0] for line in upright_lines(drawn.axes[0])] == [0.5, 0.501, 1.0]
     [legend] = drawn.legends
     assert [text.get_text() for text in legend.get_texts()][-2:] == ["one_wheel: touch down", "one_wheel: lift off"]
@@ -328,30 +334,18 @@ def test_events_are_lines_with_marks_that_a_legend_explains(tmp_path):
         assert not any(text.get_rotation() for text in ax.texts)
 
 
-def test_many_events_are_lines_and_marks(tmp_path):
-    events = tuple((0.1 * i, "touch_down") for i in range(1, 10))
-    runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
-    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
-    drawn = figure.sheet_figure(wheels, "title")
-    assert len(upright_lines(drawn.axes[0])) == 9
-
-
-def test_many_events_at_once_do_not_become_bars(tmp_path):
-    """60 in 0.06 of 2 s, 3 % of the axis, are no more lines than four."""
-    events = tuple((1.0 + 1e-3 * i, "touch_down") for i in range(60))
-    runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
-    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
-    drawn = figure.sheet_figure(wheels, "title")
-    upright = upright_lines(drawn.axes[0])
-    assert 2 <= len(upright) <= 4
+@pytest.mark.parametrize(("times", "fewest", "most"), [
+    ([0.1 * i for i in range(1, 10)], 9, 9),
+    ([1.0 + 1e-3 * i for i in range(60)], 2, 4),  # 60 in 0.06 of 2 s, 3 % of the axis, do not become a bar
+])  # fmt: skip
+def test_many_events_are_lines(times, fewest, most, tmp_path):
+    _, drawn = wheels_with([(t, "touch_down") for t in times], tmp_path, 1)
+    assert fewest <= len(upright_lines(drawn.axes[0])) <= most
 
 
 def test_very_many_events_leave_the_panel_free(tmp_path):
     """Hundreds of lines would grey it: they end just above the axis, and are no denser than can be seen."""
-    events = tuple((0.01 * i, "touch_down") for i in range(1, 200))
-    runs = open_runs([every_kind.write(tmp_path / "rug.h5", events=events)])
-    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
-    drawn = figure.sheet_figure(wheels, "title")
+    _, drawn = wheels_with([(0.01 * i, "touch_down") for i in range(1, 200)], tmp_path, 1)
     upright = upright_lines(drawn.axes[0])
     assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
     marker = drawn.legends[0].legend_handles[-1].get_marker()
@@ -360,10 +354,8 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
 
 def test_marks_of_repeated_events_leave_room_for_those_of_rare_ones(tmp_path):
     """A lock amid 40 limits: these have one mark, where it does not cover that of the lock."""
-    limits = tuple((0.5 + 0.03 * i, "lower limit") for i in range(40))
-    runs = open_runs([every_kind.write(tmp_path / "limits.h5", events=((0.499, "locks"), *limits))])
-    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
-    drawn = figure.sheet_figure(wheels, "title")
+    limits = [(0.5 + 0.03 * i, "lower limit") for i in range(40)]
+    _, drawn = wheels_with([(0.499, "locks"), *limits], tmp_path, 1)
     lock, limit = (handle.get_marker() for handle in drawn.legends[0].legend_handles[-2:])
     marks = {line.get_marker(): list(line.get_xdata()) for line in drawn.axes[0].lines}
     assert marks[lock] == [0.499] and marks[limit] == [pytest.approx(0.53)]
