@@ -160,12 +160,11 @@ def _refuse(formats, plots, transforms, band, options):
 
 def _of_others(paths, output, kind, band, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
-    folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
-    if len(paths) > 1 and output and not folder:
+    if len(paths) > 1 and output and not _is_folder(output):
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
-        target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
-        target = target or Path(path).with_suffix(f".{kind}")
+        prefix = _prefix(output, Path(path), Path(path).stem)
+        target = _whole_name(output) or prefix.with_name(f"{prefix.name}.{kind}")
         refuse_foreign(target, force)
         yield draw_alone(path, target, above=band[0], below=band[1])
 
@@ -192,19 +191,6 @@ def _of_studies(paths, plots, output, kind, force):
             yield _save(figure, target)
 
 
-def _named(output, kind):
-    """Return the Path of a picture with this name or, without an ending, prefix; None if there is none."""
-    if not output or Path(output).suffix[1:] in FORMATS:
-        return Path(output) if output else None
-    _refuse_other_formats(output)
-    return Path(f"{output}.{kind}")
-
-
-def _refuse_other_formats(output):
-    if Path(output).suffix[1:].lower() in OTHER_FORMATS:
-        raise UsageError(f"{output}: pictures are written as {' or '.join(FORMATS)}")
-
-
 def _default_pictures(runs):
     """Return the overview and all sheets, each with the function that draws it."""
     sheets = default_sheets(runs)
@@ -220,24 +206,36 @@ def _default_pictures(runs):
 
 def _targets(names, output, kind, first, stem):
     """Return the Path of each picture with the suffixes ``names``, next to the file ``first`` or by ``output``."""
-    whole = Path(output) if output else None
-    if whole is not None and whole.suffix[1:] in FORMATS and not os.path.isdir(whole):
+    if whole := _whole_name(output):
         if len(names) > 1:
             raise UsageError(f"{output} names one picture, but there will be {len(names)}: give a folder or a prefix")
         return [whole]
-    if whole is not None:
-        _refuse_other_formats(whole)
-    if whole is None:
-        prefix = first.with_name(stem)
-    else:
-        prefix = whole / stem if os.path.isdir(whole) or str(output).endswith(("/", os.sep)) else whole
-    targets = []
-    counts: dict[str, int] = {}
-    for name in names:
-        counts[name] = counts.get(name, 0) + 1
-        number = f"_{counts[name]}" if counts[name] > 1 else ""
-        targets.append(prefix.with_name(f"{prefix.name}_{name}{number}.{kind}"))
-    return targets
+    prefix, ends = _prefix(output, first, stem), []
+    for i, name in enumerate(names):
+        before = names[:i].count(name)
+        ends.append(f"{name}_{before + 1}" if before else name)
+    return [prefix.with_name(f"{prefix.name}_{end}.{kind}") for end in ends]
+
+
+def _whole_name(output):
+    """Return the Path ``output`` if it is the whole name of a picture, else None; raise for other formats."""
+    if not output or _is_folder(output):
+        return None
+    ending = Path(output).suffix[1:]
+    if ending.lower() in OTHER_FORMATS:
+        raise UsageError(f"{output}: pictures are written as {' or '.join(FORMATS)}")
+    return Path(output) if ending in FORMATS else None
+
+
+def _prefix(output, first, stem):
+    """Return the Path with which names of pictures begin: next to the file ``first``, in a folder, or as given."""
+    if not output:
+        return first.with_name(stem)
+    return Path(output) / stem if _is_folder(output) else Path(output)
+
+
+def _is_folder(output):
+    return os.path.isdir(output) or str(output).endswith(("/", os.sep))
 
 
 def _stem(runs):
