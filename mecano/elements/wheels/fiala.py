@@ -24,14 +24,13 @@ slip speed. With a ``contact_width`` the tyre has turn slip: G has a third compo
 (1 - x + x^2/3) to the moment, and G_l a part of the curved path (turn_slip.py).
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipLaw, check_twist
-from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, slip_speeds, turn_slip, with_powers
+from mecano.elements.wheels.slip_law import SlipLaw, check_twist, friction_limit
+from mecano.elements.wheels.turn_slip import BRISTLE_FIELDS, TurnSlip, bristle_forces, slip_speeds, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
 from mecano.maths.dual import at_least, at_most, atan2, select, sqrt
-from mecano.maths.vector import norm
-from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
+from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative
 
 FIELDS = (
     Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]",
@@ -44,9 +43,7 @@ FIELDS = (
     Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0,
           argument="N"),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
-    CONTACT_WIDTH,
-    Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
-    *CARCASS_FIELDS,
+    *BRISTLE_FIELDS,
 )  # fmt: skip
 
 
@@ -70,17 +67,15 @@ def forces_of(turns):
         G_t, G_s = -C_t * v_t / V, -C_l * v_l / V
         camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
         G_l = G_s - curve(laws, p.camber_stiffness, load) * camber * (ahead * ahead)
-        sliding = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
+        sliding = friction_limit(p, laws, k)
         a, b, g = 0.5 * p.contact_length, 0.5 * p.contact_width, TurnSlip(0.0 * V, 0.0, G_l, 0.0 * V)
         if turns:
             g = turn_slip(k, a, b, C_t, C_l, G_t, G_l, V, rolling, 3.0 * sliding)
         x = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / (3.0 * sliding)
         y = at_most(x, 1.0)
         share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-        spin = share * g.k * g.G_m
-        turn = spin - a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
-        F_t, F_l = share * G_t, share * g.G_l
-        return with_powers(k, (F_t, F_l), (v_t, v_l), turn, -spin * g.W)
+        aligning = -a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
+        return bristle_forces(k, share, G_t, g, (v_t, v_l), aligning)
 
     return forces
 

@@ -15,6 +15,9 @@ from typing import NamedTuple
 from mecano.element_interface import recorded, recorded_values
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
+from mecano.laws.law_table import curve
+from mecano.maths.dual import at_least
+from mecano.maths.vector import norm
 from mecano.schema import NUMBER, NUMBERS, Field, Type, positive, requirement
 
 LEAST_FORCE = 1e-9  # [N] lower bound of mu N, which is zero in the air
@@ -42,6 +45,13 @@ class Slip(NamedTuple):
 def slipping(k, v, v_0):
     """Return the Slip ``k`` with other slip velocities."""
     return Slip(k.N, k.w, k.grip, v, v_0, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+
+
+@kernel
+def friction_limit(p, laws, k):
+    """Return mu N > 0 [N] of the Slip ``k``; ``p`` has ``friction``, a curve of the slip speed."""
+    mu = k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0)
+    return at_least(mu * at_least(k.N, 0.0), LEAST_FORCE)
 
 
 @kernel

@@ -32,15 +32,19 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-from mecano.elements.wheels.slip_law import SlipForces
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, SlipForces
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import dot
-from mecano.schema import NUMBER, Field, not_negative
+from mecano.schema import NUMBER, Field, not_negative, positive
 
-CONTACT_WIDTH = Field(
-    "contact_width", NUMBER, "m", "2b, for turn slip: the moment of a tyre that turns on the spot or in a tight turn; "
-    "none when 0", 0.0, not_negative,
+BRISTLE_FIELDS = (
+    Field(
+        "contact_width", NUMBER, "m", "2b, for turn slip: the moment of a tyre that turns on the spot or in a tight "
+        "turn; none when 0", 0.0, not_negative,
+    ),
+    Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
+    *CARCASS_FIELDS,
 )  # fmt: skip
 
 
@@ -92,14 +96,16 @@ def slip_speeds(p, k):
 
 
 @kernel
-def with_powers(k, F, v, M, turning):
-    """Return the SlipForces of the force F and the slip velocity v along (t, l), and of the moment M about n.
+def bristle_forces(k, share, G_t, g, v, aligning):
+    """Return the SlipForces of a ``share`` of the force without sliding, G_t along t and those of the TurnSlip ``g``.
 
-    Slip that the force drives dissipates nothing; ``turning`` [W] is dissipated by turn slip.
+    ``aligning`` [N m]: moment about n of slip that does not turn; v: slip velocity along (t, l). Slip that the force
+    drives dissipates nothing.
     """
-    power = F[0] * v[0] + F[1] * v[1]
-    lost = at_least(-power, 0.0) + turning
-    return SlipForces(F[0] * k.t + F[1] * k.l, M * k.n, lost, lost + power + M * dot(k.n, k.omega))
+    F_t, F_l, spin = share * G_t, share * g.G_l, share * g.k * g.G_m
+    power, M = F_t * v[0] + F_l * v[1], spin + aligning
+    lost = at_least(-power, 0.0) - spin * g.W
+    return SlipForces(F_t * k.t + F_l * k.l, M * k.n, lost, lost + power + M * dot(k.n, k.omega))
 
 
 @kernel

@@ -21,14 +21,13 @@ curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, 
 F(phi) k G_m/|G| is added to the moment.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipLaw, check_twist
-from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, slip_speeds, turn_slip, with_powers
+from mecano.elements.wheels.slip_law import SlipLaw, check_twist, friction_limit
+from mecano.elements.wheels.turn_slip import BRISTLE_FIELDS, TurnSlip, bristle_forces, slip_speeds, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.law_table import curve
 from mecano.laws.probe import negative_curves
 from mecano.maths.dual import at_least, atan2, select, sqrt
-from mecano.maths.vector import norm
-from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share
+from mecano.schema import CURVE, NUMBER, Field, mapping, share
 
 LEAST_DEPTH = 1e-9  # lower bound of the deformation in h, over the radius: the root has a slope at zero
 FULL, STRAIGHT, CURVED = 1.5, 0.1, 0.55  # phi: sliding; ends of the first and the second piece of the moment
@@ -44,9 +43,7 @@ FIELDS = (
     ),
     Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]", argument="m/s"),
     Field("contact_share", NUMBER, "-", "c, length of the contact over that of the chord", 0.85, share),
-    CONTACT_WIDTH,
-    Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
-    *CARCASS_FIELDS,
+    *BRISTLE_FIELDS,
 )  # fmt: skip
 
 
@@ -70,16 +67,14 @@ def forces_of(turns):
         along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
         C_t, C_l = at_least(curve(laws, along, w), 0.0), at_least(curve(laws, p.cornering_stiffness, w), 0.0)
         G_t, G_l = -C_t * v_t / V, -C_l * atan2(v_l, V)
-        limit = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
+        limit = friction_limit(p, laws, k)
         h, b = p.contact_share * sqrt(w * (2.0 * p.radius - w)), 0.5 * p.contact_width
         g = TurnSlip(0.0 * V, 0.0 * h, G_l, 0.0 * V)
         if turns:
             g = turn_slip(k, h, b, C_t, C_l, G_t, G_l, V, rolling, FULL * limit)
         phi = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / limit
         used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
-        F_t, F_l, spin = used * G_t, used * g.G_l, used * g.k * g.G_m
-        turn = spin - arm(phi) * h * (rolling / V) * G_l
-        return with_powers(k, (F_t, F_l), (v_t, v_l), turn, -spin * g.W)
+        return bristle_forces(k, used, G_t, g, (v_t, v_l), -arm(phi) * h * (rolling / V) * G_l)
 
     return forces
 
