@@ -20,7 +20,7 @@ from mecano.constraints.triads import triad, unit
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.inertia import inertia_matrix
-from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, put, vec
+from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INERTIA, NODE, NODE_VECTOR, NUMBER, POINT, Field, positive
 
 CENTER = (0.4, 1.0, -0.6)  # of samples
@@ -61,7 +61,6 @@ def observe_point(p, at, F, y, e):
     """Write force, no moment, and power."""
     force = _force(p, _radial(p, at), vec(at.q, 0))
     put(y, 0, force)
-    put(y, 3, ZERO)
     y[6] = dot(force, vec(at.v, 0))
     e[3] = y[6]
 
