@@ -41,7 +41,7 @@ def _is_nearer(number, given):
             return False
         written, in_si = abs(float(number_and_unit(given)[0])), abs(converted(given, ANY))
     except UnitError:
-        return False  # another message says that the unit is none
+        return False  # another message reports the wrong unit
     return written > 0.0 and abs(math.log(number / written)) < abs(math.log(number / in_si))
 
 

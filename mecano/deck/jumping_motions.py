@@ -22,8 +22,8 @@ NEAR = 1e-9  # of a time, on both sides of which values and rates are compared
 def jumping_motions(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on prescribed motions that jump within a run.
 
-    ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements. A rate at the start is none: the
-    run starts with it.
+    ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements. The rate at the start is no jump:
+    the run starts with it.
     """
     time = values["time"]
     for name, d in values["joints"].items() if time else ():

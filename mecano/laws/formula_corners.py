@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from mecano.laws import formula as of
+from mecano.laws import formula as op
 from mecano.laws.formula_pulses import MOST, SAMPLES, Program, parts, values
 
-WITH_CORNERS = {of.ABS, of.MIN, of.MAX, of.STEP}
+WITH_CORNERS = {op.ABS, op.MIN, op.MAX, op.STEP}
 HALVINGS = 64  # of an interval, after which its ends are neighbouring numbers
 
 
@@ -30,7 +30,7 @@ def crossings(program: Program, levels: Sequence[float], start: float, end: floa
 
     They are the first times at or above a level, or below it. None are returned of an oscillation, as of ``corners``.
     """
-    return _between(((*program, (of.NUMBER, level), (of.SUBTRACT, 0.0)) for level in levels), start, end)
+    return _between(((*program, (op.NUMBER, level), (op.SUBTRACT, 0.0)) for level in levels), start, end)
 
 
 def _between(programs, start, end):
@@ -43,12 +43,12 @@ def _conditions(program: Program) -> Iterator[Program]:
     """Yield the programs that vanish at corners."""
     for part, operands in parts(program):
         code = part[-1][0]
-        if code in (of.ABS, of.STEP):
+        if code in (op.ABS, op.STEP):
             yield operands[0]
-        if code == of.STEP:
-            yield (*operands[0], (of.NUMBER, 1.0), (of.SUBTRACT, 0.0))
-        if code in (of.MIN, of.MAX):
-            yield (*operands[0], *operands[1], (of.SUBTRACT, 0.0))
+        if code == op.STEP:
+            yield (*operands[0], (op.NUMBER, 1.0), (op.SUBTRACT, 0.0))
+        if code in (op.MIN, op.MAX):
+            yield (*operands[0], *operands[1], (op.SUBTRACT, 0.0))
 
 
 def _zeros(program, t):

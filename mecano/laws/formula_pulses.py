@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from mecano.laws import formula as of
+from mecano.laws import formula as op
 
 Program: TypeAlias = Sequence[tuple[int, float]]  # (operation, number) of every step (formula.py)
 
@@ -25,13 +25,13 @@ CONSTANT = 1e-9  # of a value: a smaller change is rounding
 SAME = 1e-4  # of a WIDTH: closer places are one
 
 UNARY = {
-    of.NEGATIVE: np.negative, of.SIN: np.sin, of.COS: np.cos, of.TAN: np.tan, of.ASIN: np.arcsin, of.ACOS: np.arccos,
-    of.ATAN: np.arctan, of.SQRT: np.sqrt, of.EXP: np.exp, of.LOG: np.log, of.TANH: np.tanh, of.ABS: np.abs,
-    of.SIGN: np.sign, of.STEP: lambda u: _smooth_step(np.clip(u, 0.0, 1.0)),
+    op.NEGATIVE: np.negative, op.SIN: np.sin, op.COS: np.cos, op.TAN: np.tan, op.ASIN: np.arcsin, op.ACOS: np.arccos,
+    op.ATAN: np.arctan, op.SQRT: np.sqrt, op.EXP: np.exp, op.LOG: np.log, op.TANH: np.tanh, op.ABS: np.abs,
+    op.SIGN: np.sign, op.STEP: lambda u: _smooth_step(np.clip(u, 0.0, 1.0)),
 }  # fmt: skip
 BINARY = {
-    of.ADD: np.add, of.SUBTRACT: np.subtract, of.MULTIPLY: np.multiply, of.DIVIDE: np.divide, of.POWER: np.power,
-    of.MIN: np.minimum, of.MAX: np.maximum, of.ATAN2: np.arctan2, of.HYPOT: np.hypot,
+    op.ADD: np.add, op.SUBTRACT: np.subtract, op.MULTIPLY: np.multiply, op.DIVIDE: np.divide, op.POWER: np.power,
+    op.MIN: np.minimum, op.MAX: np.maximum, op.ATAN2: np.arctan2, op.HYPOT: np.hypot,
 }  # fmt: skip
 
 
@@ -52,7 +52,7 @@ def _outer_parts(program):
     """
     found = []
     for part, operands in parts(program):
-        if part[-1][0] not in (of.ADD, of.SUBTRACT):
+        if part[-1][0] not in (op.ADD, op.SUBTRACT):
             found = [one for one in found if one not in operands]
         found.append(part)
     return found
@@ -62,10 +62,10 @@ def parts(program: Program) -> "Iterator[tuple[Program, list[Program]]]":
     """Yield (part, operands) of the parts of a program that depend on time alone, each after its own parts."""
     stack: list[tuple] = []
     for step in program:
-        operands = [stack.pop() for _ in range((step[0] >= of.NEGATIVE) + (step[0] >= of.ADD))][::-1]
+        operands = [stack.pop() for _ in range((step[0] >= op.NEGATIVE) + (step[0] >= op.ADD))][::-1]
         stack.append((*(one for operand in operands for one in operand), step))
         codes = {code for code, _ in stack[-1]}
-        if of.TIME in codes and of.INPUT not in codes:
+        if op.TIME in codes and op.INPUT not in codes:
             yield stack[-1], operands
 
 
@@ -121,9 +121,9 @@ def values(part: Program, t: np.ndarray) -> np.ndarray:
     stack: list[np.ndarray] = []
     with np.errstate(all="ignore"):
         for code, number in part:
-            if code < of.NEGATIVE:
-                stack.append(t if code == of.TIME else np.full(t.shape, number))
-            elif code < of.ADD:
+            if code < op.NEGATIVE:
+                stack.append(t if code == op.TIME else np.full(t.shape, number))
+            elif code < op.ADD:
                 stack.append(UNARY[code](stack.pop()))
             else:
                 second = stack.pop()
