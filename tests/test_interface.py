@@ -499,6 +499,17 @@ class TestCheckAndModes:
                 mecano.response("pendulum.yaml", set=motor, **channels | wrong)
 
 
+@pytest.fixture(scope="class")
+def study(tmp_path_factory):
+    """A study in a folder that remains the working folder."""
+    folder = tmp_path_factory.mktemp("study")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        (folder / "pendulum.yaml").write_bytes(PENDULUM.read_bytes())
+        (folder / "study.yaml").write_text(STUDY)
+        yield mecano.sweep("study.yaml", jobs=1, quiet=True)
+
+
 class TestSweep:
     def test_a_study_is_run_and_read(self, folder, capfd):
         (folder / "study.yaml").write_text(STUDY)
@@ -519,9 +530,7 @@ class TestSweep:
             mecano.sweep("wrong.yaml")
         assert capfd.readouterr().out == ""
 
-    def test_columns_and_results_of_cases_are_named(self, folder):
-        (folder / "study.yaml").write_text(STUDY)
-        study = mecano.sweep("study.yaml", jobs=1, quiet=True)
+    def test_columns_and_results_of_cases_are_named(self, study):
         assert len(study) == 2 and study.folder == Path("study_runs")
         np.testing.assert_array_equal(study["bar.mass"], study["elements.bar.mass"])
         with pytest.raises(UnknownNameError, match="no column 'ass'"):
@@ -532,16 +541,13 @@ class TestSweep:
         with pytest.raises(ResultsError, match="0003.h5"):
             study.results(3)
 
-    def test_a_data_frame_has_whole_numbers_of_cases(self, folder):
+    def test_a_data_frame_has_whole_numbers_of_cases(self, study):
         pandas = pytest.importorskip("pandas")
-        (folder / "study.yaml").write_text(STUDY)
-        frame = mecano.sweep("study.yaml", jobs=1, quiet=True).to_pandas()
+        frame = study.to_pandas()
         assert frame["case"].tolist() == [1, 2] and frame["exit_code"].tolist() == [0, 0]
         assert pandas.api.types.is_integer_dtype(frame["exit_code"]) and frame["swing"].dtype == float
 
-    def test_notebooks_display_tables(self, folder):
-        (folder / "study.yaml").write_text(STUDY)
-        study = mecano.sweep("study.yaml", jobs=1, quiet=True)
+    def test_notebooks_display_tables(self, study):
         shown = study._repr_html_()
         assert "Study of 2 cases: 2 complete" in shown and "<td>elements.bar.mass [kg]</td>" in shown
         assert shown.count("<tr>") == 3 and f"<td>{study['swing'][1]:.6g}</td>" in shown
