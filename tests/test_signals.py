@@ -27,7 +27,7 @@ ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
 SLOW = pytest.mark.slow
 FEW = "nose_gear_rigid", "four_feet"
 ANSWER = 2.0  # s of processor time after a signal, which other processes do not change
-STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
+STUDY = "study: 1\ndeck: deck.yaml\nset: {output.every: 1}\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
 
 
 @pytest.fixture
@@ -252,7 +252,7 @@ def test_a_killed_study_leaves_no_orphans(folder, started, executor, further, pr
     for file in files:
         with mecano.open_results(file) as results:
             assert results.status == "stopped" and "SIGTERM" in results.reason and results.checkpoint is not None
-    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "2")
+    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "1")
     assert code == 3 and f"{(n := 4 if further else 2)} cases: {n} stopped" in out
 
 
