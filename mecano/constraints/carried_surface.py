@@ -115,9 +115,8 @@ def touching_by(lever_of, contact_of):
         outward, tangent = cos(phi) * e + sin(phi) * ahead, cos(phi) * ahead - sin(phi) * e
         n = p.drum_side * outward
         height = p.drum_side * (distance * cos(phi) - p.drum_radius)
-        s, s1 = dot(n, a), p.drum_side * dot(tangent, a)
-        q2 = at_least(1.0 - s * s, LEAST_Q * LEAST_Q)
-        across = dot(tangent, a)
+        s, across = dot(n, a), dot(tangent, a)
+        s1, q2 = p.drum_side * across, at_least(1.0 - s * s, LEAST_Q * LEAST_Q)
         lever, lever1 = lever_of(p, s, s1, q2, height, -p.drum_side * distance * sin(phi))
         f = lever * across - distance * sin(phi)
         return Foot(f, lever1 * across - lever * dot(outward, a) - distance * cos(phi), n, height)

@@ -57,10 +57,10 @@ def binding_joints(values: Values, kinds: Mapping[str, Kind]) -> Iterator[Locate
         [_rigidly, _connected] if any(kinds[d["type"]].flexible for d in values["elements"].values()) else [_rigidly]
     )
     rigid, *flexible = (list(_between_bodies(held, values, bodies(values, kinds, one))) for one in connections)
-    bound = [(found, HOLDING) for found in rigid if _least(found) > RANK]
+    bound = [(found, HOLDING) for found in rigid if _sixth_value(found) > RANK]
     named = {joint.name for found, _ in bound for joint in found}
     for found in (found for alike in flexible for found in alike):
-        if not named & {joint.name for joint in found} and OTHER_AXIS < _least(found) < NEARLY:
+        if not named & {joint.name for joint in found} and OTHER_AXIS < _sixth_value(found) < NEARLY:
             bound.append((found, DEFLECTING))
     more = f" (and {len(bound) - MOST_NAMED} more pairs of bodies)" if len(bound) > MOST_NAMED else ""
     for i, (found, what) in enumerate(bound[:MOST_NAMED], start=1):
@@ -85,7 +85,7 @@ def _holding(name, d, held, nodes):
     return Holding(name, d["type"], "axis" in d, held, mu, np.array(nodes[node]["position"]))
 
 
-def _least(joints):
+def _sixth_value(joints):
     """Return the sixth singular value of the rows (n, 6) of several joints, with distances relative to the largest."""
     arms = [joint.x - joints[0].x for joint in joints]
     size = max(np.linalg.norm(arm) for arm in arms) or 1.0

@@ -62,10 +62,10 @@ def change_step(work: Records(STEP)):
     w = work[0]
     if w.factored == 0:
         if w.changed:
-            go_back(w)
+            restore_history(w)
         else:
-            remember(w)
-        refer(w)
+            keep_history(w)
+        start_increments(w)
         w.h = w.next_h
         differentiate_constraints(w)
         if w.n_l and not close_velocity_gap(w):
@@ -88,7 +88,7 @@ def change_step(work: Records(STEP)):
 
 
 @kernel
-def remember(w):
+def keep_history(w):
     """Keep the history before the change, with which an interrupted run is resumed."""
     copy_history(w, BEGIN, UNCHANGED)
     copy_state(w, TANGENT, FORMER)
@@ -97,7 +97,7 @@ def remember(w):
 
 
 @kernel
-def go_back(w):
+def restore_history(w):
     """Restore the history before the last change."""
     copy_history(w, UNCHANGED, BEGIN)
     copy_state(w, FORMER, TANGENT)
@@ -106,7 +106,7 @@ def go_back(w):
 
 
 @kernel
-def refer(w):
+def start_increments(w):
     """Make TANGENT the state BEGIN, from which the rotation increments of the next step are counted."""
     copy_state(w, BEGIN, TANGENT)
     start_spins(w, TANGENT)[:, :] = 0.0
