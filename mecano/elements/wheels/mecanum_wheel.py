@@ -27,17 +27,18 @@ from mecano.constraints.ground import (
     slope_below,
     touch,
 )
-from mecano.constraints.roller import ROLLER, roller_axis
-from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.constraints.no_slip import no_slip
+from mecano.constraints.rolling_radius import ROLLING_RADIUS, leaning_discs
 from mecano.constraints.wheels import FIELDS as WHEEL_FIELDS
 from mecano.constraints.wheels import OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
-from mecano.element_interface import Kind, Part, named, record
+from mecano.element_interface import Kind, Part, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, mat, vec
 from mecano.schema import NUMBER, Field
 
+RECORD = record(axis=3, radius=(), along=2, **GROUND_RECORD)
 RADIAL, ALONG = 6, 7  # multipliers of the parts
 FLAT_ROLLERS = 0.05  # of the sine of gamma: rollers whose axes are along the axle cannot drive
 FIELDS = (
@@ -50,15 +51,42 @@ FIELDS = (
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
-    Rn = mat(at.R[0])
-    axis = Rn @ vec(p.axis, 0)
+def _touching(p, at):
+    """Return the axis of the wheel, its Contact and the direction e there; p.along is (sin gamma, cos gamma)."""
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, vec(at.q, 0), axis)
     t, l = directions(axis, g)
-    along, pushed = roller_axis(p, axis, g), number(at.q[ALONG])
+    return axis, g, p.along[0] * t + p.along[1] * l
+
+
+@kernel
+def _held(p, at):
+    """Return the arm of the contact, and the direction along which it does not slip."""
+    _, g, along = _touching(p, at)
+    return g.arm, (along,)
+
+
+def _sample_rollers(rng):
+    """Return leaning discs with rollers at an angle."""
+    angles = [(rng.uniform(-1.5, 1.5), values, nodes) for values, nodes, _ in leaning_discs(rng)]
+    return [({**values, "along": np.array([np.sin(a), np.cos(a)])}, nodes, "") for a, values, nodes in angles]
+
+
+ROLLER = Kind(
+    name="roller", doc="Roller: the point of a disc nearest to the ground does not slip along the axis of the roller.",
+    dtype=RECORD, layout=("x0", "R0"), multipliers=(Row("force of the ground along the roller", "N", "m/s"),),
+    sample=_sample_rollers, **no_slip(_held, 1),
+)  # fmt: skip
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
+    axis, g, along = _touching(p, at)
+    t, l = directions(axis, g)
+    pushed = number(at.q[ALONG])
     push = number(at.q[RADIAL]) / g.q, pushed * dot(along, t), pushed * dot(along, l)
-    spin = dot(Rn @ vec(at.v, 3), axis)
+    spin = dot(mat(at.R[0]) @ vec(at.v, 3), axis)
     put_outputs(y, at.q, push, g.r, Wheel(g, axis, g.arm, spin, g.r * g.q))
 
 
@@ -97,7 +125,7 @@ def sample(rng):
 
 MECANUM_WHEEL = Kind(
     name="mecanum_wheel", section="elements", doc=__doc__, display=WHEEL_DISPLAY,
-    dtype=record(axis=3, radius=(), along=2, **GROUND_RECORD), layout=("x0", "R0"),
+    dtype=RECORD, layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
     **named(prepare, parts, check, end_conditions, observe, sample),
