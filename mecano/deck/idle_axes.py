@@ -44,8 +44,6 @@ def idle_axes(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarn
 def idle_racks(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
     """Yield (path, text) on racks whose teeth run across the guide on which they slide."""
     racks = {name: d for name, d in values["joints"].items() if {"direction", "radius"} <= d.keys()}
-    if not racks:
-        return
     guides = {name: d for name, d in values["joints"].items() if set(kinds[d["type"]].holds(d)) == SLIDING}
     for name, d in racks.items():
         rack = d["nodes"][0]

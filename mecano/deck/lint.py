@@ -2,8 +2,8 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-joints that bind; values and triggers without effect; delays of many steps; laws of time that the steps do not sample;
-motions that jump; unused entries.
+values and triggers without effect; laws of time that the steps do not sample; unused entries; and those of
+rare_checks.py.
 """
 
 import math
@@ -12,12 +12,12 @@ from collections.abc import Container, Mapping
 from mecano.deck.compose import Node
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
+from mecano.deck.rare_checks import rare_warnings
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.without_effect import without_effect
 from mecano.deck.wording import quoted
-from mecano.element_interface import SECTIONS, Kind, nothing
+from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Mark, Problem, name_list
-from mecano.laws.law_table import breakpoints
 from mecano.model.mesh import divides, inner_names
 from mecano.schema import Values
 
@@ -59,9 +59,8 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *without_effect(values, kinds),
-        *large_frictions(values), *_joints(values, kinds), *unsampled(values, kinds),
-        *_partly_moving(values, kinds), *_motions(values, kinds), *_bodies(values),
-        *_orbits(values), *_delays(values),
+        *large_frictions(values), *unsampled(values, kinds), *_partly_moving(values, kinds),
+        *rare_warnings(values, kinds),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)
     return [*(Problem(text, _place(root, path).mark) for path, text in found), *unused]
@@ -160,85 +159,6 @@ def _leaves(fields, values, path=""):
             yield from _leaves(field.type.options, value, f"{path}{field.name}.")
         else:
             yield field, f"{path}{field.name}", value
-
-
-def _joints(values, kinds):
-    """Yield (path, text) on joints whose axes or latches are not where they should be; few decks need these checks."""
-    if any("wheels" in kinds[d["type"]].display.pictures for d in values["elements"].values()):
-        from mecano.deck.wheel_bearings import misplaced_bearings
-
-        yield from misplaced_bearings(values, kinds)
-    if any(d.get("magic_formula") for d in values["tire_laws"].values()):
-        from mecano.deck.tyre_sides import one_sided_tyres
-
-        yield from one_sided_tyres(values, kinds)
-    if any(d.get("latch") for d in values["joints"].values()):
-        from mecano.deck.latches import latches_pushed_away
-
-        yield from latches_pushed_away(values)
-    if len(values["joints"]) > 1:
-        from mecano.deck.bound_joints import binding_joints
-
-        yield from binding_joints(values, kinds)
-    if any(kinds[d["type"]].counts_angles is not nothing for d in values["joints"].values()):
-        from mecano.deck.loose_axes import loose_axes
-
-        yield from loose_axes(values, kinds)
-    if any(d.get("across") == "free" for d in values["joints"].values()):
-        from mecano.deck.loose_axes import loose_followers
-
-        yield from loose_followers(values, kinds)
-    if any(d.get("release") for d in values["joints"].values()):
-        from mecano.deck.loose_axes import acting_on_released
-
-        yield from acting_on_released(values, kinds)
-    if any(kinds[d["type"]].counts_angles is not nothing for s in ("elements", "loads") for d in values[s].values()):
-        from mecano.deck.idle_axes import idle_axes
-
-        yield from idle_axes(values, kinds)
-    if any({"direction", "radius"} <= d.keys() for d in values["joints"].values()):
-        from mecano.deck.idle_axes import idle_racks
-
-        yield from idle_racks(values, kinds)
-
-
-def _bodies(values):
-    """Yield (path, text) on bodies that are misplaced; few have a centre of mass as far away as any two nodes."""
-    along = list(zip(*(node["position"] for node in values["nodes"].values()), strict=True))
-    size = math.dist([min(x) for x in along], [max(x) for x in along])
-    bodies = values["elements"].values()
-    attached = [node for d in bodies for node in d.get("attached") or ()]
-    far = size > 0.0 and any(math.hypot(*d.get("center_of_mass", ())) > size for d in bodies)
-    if far or len(set(attached)) < len(attached):
-        from mecano.deck.misplaced_bodies import misplaced_bodies
-
-        yield from misplaced_bodies(values)
-
-
-def _orbits(values):
-    """Yield (path, text) on gravity gradients; few decks have any."""
-    if any(d["type"] == "gravity_gradient" for d in values["loads"].values()):
-        from mecano.deck.orbits import orbits
-
-        yield from orbits(values)
-
-
-def _delays(values):
-    """Yield (path, text) on delays; few decks have any."""
-    if any(d["type"] == "delay" for d in values["signals"].values()):
-        from mecano.deck.delayed_inputs import delayed_inputs
-
-        yield from delayed_inputs(values)
-
-
-def _motions(values, kinds):
-    """Yield (path, text) on prescribed motions that jump; most decks prescribe none, or smooth ones."""
-    joints = values["joints"].values()
-    laws = [law for d in joints for law in (*kinds[d["type"]].drives(d), *(d.get("driven") or {}).values())]
-    if any(breakpoints(law) or any(name == "table" for name, _ in law) for law in laws if isinstance(law, tuple)):
-        from mecano.deck.jumping_motions import jumping_motions
-
-        yield from jumping_motions(values, kinds)
 
 
 def _degrees(values, kinds):
