@@ -123,7 +123,10 @@ def inserted(text: str, parameters: "Parameters") -> str:
         raise ExpressionError(f"the name {quoted(text)} has a $ without a value after it", text.find("$"))
     if sum(map(len, parts)) > LONGEST_NAME:
         raise ExpressionError(f"the name would have more than {LONGEST_NAME} characters")
-    return "".join(parts)
+    name = "".join(parts)
+    if name.startswith("=") or is_arithmetic(name):
+        raise ExpressionError(f"{quoted(text)} is read as a name, '{name}'; is an operator missing?", text.find("$", 1))
+    return name
 
 
 def check_inserts(text: str) -> None:
@@ -248,6 +251,10 @@ class _Reading:
                 raise _wrong(self.text, "has a $ without the name of a parameter after it", column)
             hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"
             raise ExpressionError(f"there is no constant '{tree.id}'; {hint}", column)
+        if len(match[0]) < len(tree.id):
+            raise _wrong(
+                self.text, f"has a $ right after '{match[0]}'; is an operator missing?", column + len(match[0])
+            )
         return self.parameters(match[1], column)
 
     def _column(self, tree):
