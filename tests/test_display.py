@@ -92,3 +92,12 @@ def test_a_spring_without_force_is_a_gauge_and_not_drawn(law, drawn):
         nodes=list(points), position=points.__getitem__, apart=lambda nodes, points: True, run=SimpleNamespace(deck={})
     )
     assert bool(SHAPES["spring"](motion, "gauge", {"nodes": ["a", "b"], "law": law})) == drawn
+
+
+@pytest.mark.parametrize("joints", [{}, {"pin": {"type": "hinge"}}])
+def test_a_force_along_a_line_is_an_actuator_of_a_mechanism_and_not_the_attraction_of_free_bodies(joints):
+    points = {"a": np.zeros((1, 3)), "b": np.ones((1, 3))}
+    run = SimpleNamespace(deck={"joints": joints})
+    motion = SimpleNamespace(nodes=list(points), position=points.__getitem__, apart=lambda nodes, points: True, run=run)
+    drawn = SHAPES[KINDS["line_force"].display.shape](motion, "jack", {"nodes": ["a", "b"]})
+    assert [shape.name for shape in drawn] == (["jack"] if joints else [])

@@ -107,9 +107,9 @@ class Display:
     Attributes
     ----------
     shape : str
-        One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, wheel, wheel_on_body, curve,
-        contact, gears, belt, joint, nothing.
-        By default an element is a line between its nodes, a joint a dot at its last node.
+        One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, actuator, wheel, wheel_on_body,
+        curve, contact, gears, belt, joint, nothing.
+        By default an element is a line between its nodes, a joint a dot at its last node, a load nothing.
     support : bool
         True if a joint with the ground holds a point and is drawn as a support.
     pictures : tuple of str

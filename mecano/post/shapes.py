@@ -156,8 +156,7 @@ def shapes(motion: AnyMotion) -> list[Shape]:
     found, lone = [], LoneBodies(motion)
     for path, d in motion.run.things.items():
         section, _, name = path.partition("/")
-        if section != "loads":
-            shape = motion.run.display(d).shape or ("line" if section == "elements" else "joint")
+        if shape := motion.run.display(d).shape or BY_DEFAULT.get(section):
             own = SHAPES[shape](motion, name, d)
             if shape == "body" and own and (own[0].style == MASS or d["node"] == lone.spacecraft):
                 own = [_with_corners(own[0], lone.corners(d))]
@@ -238,6 +237,11 @@ def _line(style, motion, name, d):
 def _spring(motion, name, d):
     """Return the line of a spring, or nothing for one without a force, which only measures a length."""
     return [] if _is_gauge(motion.run.deck, d) else _line(SPRING, motion, name, d)
+
+
+def _actuator(motion, name, d):
+    """Return the line of a cylinder or jack, or nothing for the attraction of bodies that no joint holds."""
+    return _line(ROD, motion, name, d) if motion.run.deck.get("joints") else []
 
 
 def _is_gauge(deck, d):
@@ -332,10 +336,12 @@ def _flattened(points, ground):
     return points + depth[..., None] * normal
 
 
+BY_DEFAULT = {"elements": "line", "joints": "joint"}  # shapes of the kinds of a section; loads have none
 BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES: dict[str, Callable[[AnyMotion, str, "Values"], list[Shape]]] = {
     "line": partial(_line, ROD), "cable": partial(_line, CABLE), "spring": _spring,
+    "actuator": _actuator,
     "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement,
     "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
     "contact": _contact, "gears": _gears, "joint": _joint,

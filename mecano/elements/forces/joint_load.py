@@ -20,10 +20,11 @@ from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_nodes import NODES, check_apart
 from mecano.constraints.triads import carried_axis
-from mecano.element_interface import Kind, Output, named, nothing, record
+from mecano.element_interface import Display, Kind, Output, named, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, DRIVE, NODE_PAIR, Field, joint_with
 
+NO_SHAPE = Display()
 EQUATIONS = __doc__.partition("\n\n")[2]
 
 
@@ -44,12 +45,12 @@ def _functions(coordinate, demand):
     return named(residual, observe)
 
 
-def _load(name, what, coordinate, fields, prepare, check, sample=None):
+def _load(name, what, coordinate, fields, prepare, check, sample=None, display=NO_SHAPE):
     """Return the Kind of a load along a coordinate of the nodes that the ``fields`` name."""
     quantity, unit = coordinate.load
     kind = Kind(
         name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}", dtype=record(**coordinate.axes, law="i"),
-        layout=coordinate.layout,
+        display=display, layout=coordinate.layout,
         fields=(*fields, Field("value", DRIVE, unit, f"{quantity} along the coordinate")),
         outputs=(
             Output(quantity, unit, f"{quantity} along the coordinate"),
@@ -93,7 +94,7 @@ JOINT_FORCE = _load(
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     (Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),),
-    lambda d, nodes, context: {"law": law_of(d["value"], context)}, check_apart,
+    lambda d, nodes, context: {"law": law_of(d["value"], context)}, check_apart, display=Display("actuator"),
 )  # fmt: skip
 INTERNAL_FORCE = _load(
     "internal_force", "Force between two nodes along an axis fixed in the first, such as that of a magnetic bearing",
