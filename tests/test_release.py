@@ -8,6 +8,7 @@ from scipy.integrate import quad, solve_ivp
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import DeckError
 from mecano.results.reader import open_results
 
@@ -64,6 +65,34 @@ def test_a_release_that_is_due_at_the_start_is_reported(when, said, tmp_path):
         assert "release.yaml:45:3: hinge 'hinge': the condition of its release, hinge.angle < 0.5, is true" in text
 
 
+@pytest.mark.parametrize(
+    ("when", "instant"),
+    [
+        ("time > 0.2 and hinge.angle > 1", 0.4), ("time > 0.5 and hinge.angle > 1", 0.5),
+        ("hinge.angle > 1 or time > 0.3", 0.3), ("hinge.angle > 1 and time > 0.5 or time > 0.6 and time < 3", 0.5),
+    ],
+)  # fmt: skip
+def test_conditions_are_joined(when, instant, tmp_path):
+    """A drive turns the hinge by 2.5 rad/s; comparisons of different quantities give no warning of units."""
+    given = deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [0, 0, 0]}}}}
+        elements:
+          a: {{type: rigid_body, node: a, mass: 2, inertia: [1, 1, 1]}}
+          b: {{type: rigid_body, node: b, mass: 2, inertia: [1, 1, 1]}}
+        joints:
+          hinge: {{type: hinge, nodes: [ground, a], axis: [1, 0, 0]}}
+          drive: {{type: prescribed_angle, nodes: [ground, a], axis: [1, 0, 0], value: 2.5*time}}
+          clamp: {{type: fixed, nodes: [a, b], release: {{when: "{when}"}}}}
+        time: {{end: 0.7, step: 0.01}}
+        """)
+    assert not warnings_of(prepare(given))
+    run(given, tmp_path / "r.h5")
+    (event,) = open_results(tmp_path / "r.h5").events
+    assert event.time == pytest.approx(instant, abs=1e-9)
+
+
 BAD = """
     mecano: 1
     gravity: none
@@ -80,7 +109,8 @@ BAD = """
         ("{}", "'release' needs either 'time' or 'when'"),
         ("{time: 1, when: pin.angle > 1}", "'release' needs either 'time' or 'when'"),
         ("{when: pin.angle}", "a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'"),
-        ("{when: pin.angle > 1 and pin.rate < 0}", "of several, all are true if the smallest difference is above zero"),
+        ("{when: 0 < pin.angle < 1}", "; join several by 'and' or 'or', as in 'time > 1 and hinge.angle > 0.5'"),
+        ("{when: pin.angle > 1 and pin.rate}", "a condition compares two formulas by > or <"),
         ("{when: pin.angel > 1}", "'angel' of 'pin' cannot be measured"),
         ("{time: 1}, latch: {angle: 1}", "'release' and 'latch' exclude one another"),
     ],

@@ -53,7 +53,7 @@ ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]"  # 100 rpm
-TOGETHER = "of several, all are true if the smallest difference is above zero, 'min(a - b, c - d) > 0', one if 'max' is"
+TOGETHER = "join several by 'and' or 'or', as in 'time > 1 and hinge.angle > 0.5'"
 PART = r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b"  # rod.1
 WORD = r"(?<![\w.$])[A-Za-z_]\w*"
 COMPARISON = r"(>=|<=|>|<)"
@@ -134,9 +134,19 @@ def _cause(body):
 def difference_of(condition):
     """Return the formula that rises through zero where a condition, such as ``hinge.angle > 1.5``, becomes true.
 
-    Raises FormulaError.
+    Several comparisons may be joined by ``and``, which binds more tightly, and ``or``: all are true if the smallest of
+    their differences is above zero, one is if the largest is. Raises FormulaError.
     """
-    parts = re.split(COMPARISON, condition)
+    either = [re.split(r"\band\b", one) for one in re.split(r"\bor\b", condition)]
+    return _joined("max", [_joined("min", [_difference(part) for part in both]) for both in either])
+
+
+def _joined(function, differences):
+    return differences[0] if len(differences) == 1 else f"{function}({', '.join(differences)})"
+
+
+def _difference(comparison):
+    parts = re.split(COMPARISON, comparison)
     if len(parts) != 3:
         several = f"; {TOGETHER}" if len(parts) > 3 else ""
         raise FormulaError(f"a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'{several}")

@@ -190,7 +190,12 @@ class _Units:
         return stack[0] or UNKNOWN
 
     def _compare(self, formula, i, first, second):
-        """Note the units of the numbers that the step ``i`` of a formula adds or compares, and the use of signals."""
+        """Note the units of the numbers that the step ``i`` of a formula adds or compares, and the use of signals.
+
+        The least or largest of several differences, as in a condition, may be of different quantities.
+        """
+        if formula.program[i][0] in (MIN, MAX) and formula.program[i - 1][0] == SUBTRACT:
+            return
         if first != second and not {ANY, UNKNOWN} & {first, second}:
             self.unlike[formula.text].append((first, second))
         before = formula.program[:i][::-1]  # the last number stands before the step, the other before that
