@@ -8,9 +8,11 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import minimize
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses import initial_state
 from mecano.analyses.modal import modes
 from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare
+from mecano.analyses.summary import summary
 from mecano.errors import ConvergenceError, DeckError
 from mecano.solve.modal.spin_up import spin_up
 from mecano.solve.modal.steady import Steady
@@ -194,10 +196,26 @@ def test_a_pendulum_on_a_turning_shaft_swings_out():
     ],
     ids=["gravity across", "a push", "another speed"],
 )  # fmt: skip
-def test_where_there_is_no_steady_rotation(old, new, said):
+@pytest.mark.parametrize("find", [operating_point, summary])
+def test_where_there_is_no_steady_rotation(old, new, said, find):
     with pytest.raises(ConvergenceError, match="no steady rotation with the angular velocity") as info:
-        operating_point(deck(PENDULUM.replace(old, new)))
+        find(deck(PENDULUM.replace(old, new)))
     assert said in str(info.value)
+
+
+def test_the_check_of_a_deck_finds_steady_rotation_and_leaves_the_model_unchanged():
+    given = deck(PENDULUM)
+    text = summary(given)
+    assert "steady rotation at [0, 0, 7] rad/s, found" in text and "requires another shape of the mechanism" in text
+    at_rest = summary(deck(PENDULUM.partition("initial:")[0] + "time: {end: 1, step: 1}"))
+    assert text.partition("mobility")[2] == at_rest.partition("mobility")[2]
+
+
+def test_a_long_search_is_announced(monkeypatch):
+    monkeypatch.setattr(initial_state, "PATIENCE", 0.0)
+    notes = []
+    initial_state.set_initial_state(prepare(deck(PENDULUM)), announce=notes.append)
+    assert "still searching steady motion at the start, for 0 s: iteration 1, forces out of balance by " in notes[0]
 
 
 @pytest.mark.parametrize(

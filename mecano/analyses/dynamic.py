@@ -128,7 +128,7 @@ def _from_the_start(deck, path, force, supervision):
     """Yield an Ongoing run from its initial state; the caller holds the lock of the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     with locating(deck), _announce_warnings(prepared, supervision):
-        found = call_interruptibly(set_initial_state, prepared)
+        found = call_interruptibly(set_initial_state, prepared, True, supervision.announce)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     with locating(deck):
         start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])

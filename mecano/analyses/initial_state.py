@@ -1,5 +1,8 @@
 """Computed initial states of dynamic runs: static equilibrium, straight steady running, or steady rotation."""
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 
 from mecano.analyses.lint import node_at_start
@@ -9,14 +12,17 @@ from mecano.errors import ConvergenceError
 from mecano.model.mesh import inner_names
 from mecano.solve.events.compliance import compliance
 
+PATIENCE = 10.0  # s of wall-clock time between notes of a search for steady motion
 WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding error
 
 
-def set_initial_state(prepared: Prepared, disturbed: bool = True) -> tuple[str, ...]:
+def set_initial_state(
+    prepared: Prepared, disturbed: bool = True, announce: Callable[[str], object] = lambda text: None
+) -> tuple[str, ...]:
     """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
 
-    Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
-    code 3) if no such state is found, NonFiniteError.
+    Velocities of the deck are added to steady running, unless ``disturbed`` is False. A long search for steady motion
+    is announced at intervals. Raises ConvergenceError (exit code 3) if no such state is found, NonFiniteError.
     """
     initial = prepared.deck.values["initial"]
     if initial["static"]:
@@ -32,7 +38,7 @@ def set_initial_state(prepared: Prepared, disturbed: bool = True) -> tuple[str, 
     from mecano.solve.modal.steady import NOTICEABLE, Steady
 
     requested, before = prepared.state.v.copy(), prepared.state
-    steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
+    steady = Steady(prepared.system, prepared.length, _steady_motion(prepared), _Search(announce))
     try:
         prepared.state = steady.find(before)
         prepared.compliance = compliance(
@@ -48,6 +54,24 @@ def set_initial_state(prepared: Prepared, disturbed: bool = True) -> tuple[str, 
     reshaped = bool(moved.max(initial=0.0) > noticeable)
     lifted = lift_off_warnings(prepared.system, before, prepared.state, noticeable, reshaped)
     return (*lifted, *_displacement_warnings(prepared, moved))
+
+
+class _Search:
+    """Notes about a search that takes long."""
+
+    def __init__(self, announce: Callable[[str], object]):
+        self.announce, self.iterations, self.begun = announce, 0, time.monotonic()
+        self.due = self.begun + PATIENCE
+
+    def __call__(self, force: float) -> None:
+        self.iterations += 1
+        now = time.monotonic()
+        if now >= self.due:
+            self.due = now + PATIENCE
+            self.announce(
+                f"still searching steady motion at the start, for {now - self.begun:.0f} s: iteration "
+                f"{self.iterations}, forces out of balance by {force:.3g} N"
+            )
 
 
 def _refuse_sunken_tyres(prepared, state):

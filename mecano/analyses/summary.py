@@ -1,12 +1,14 @@
 """The summary of `mecano check`: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
 from collections import Counter
+from collections.abc import Callable
+from copy import copy
 from textwrap import wrap
 
 import numpy as np
 
 from mecano.analyses.failure_text import locating
-from mecano.analyses.initial_state import describe
+from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.initial_velocities import NOTICED, changed_velocities, set_in_motion
 from mecano.analyses.memory_estimate import memory_of_run, memory_text
 from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
@@ -29,18 +31,18 @@ WIDTH = 110
 INDENT = " " * 17
 
 
-def summary(deck: "Deck", every: bool = False) -> str:
-    """Return the summary of a checked deck as text.
+def summary(deck: "Deck", every: bool = False, announce: Callable[[str], object] = lambda text: None) -> str:
+    """Return the summary of a checked deck as text; a long search for steady motion at the start is announced.
 
     Raises AssemblyError if constraints cannot be met at the start, or signals have no unique values, NonFiniteError if
-    these are not finite.
+    these are not finite, ConvergenceError if there is no steady motion.
 
     Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
     """
-    return summary_of(prepare(deck), every)
+    return summary_of(prepare(deck), every, announce)
 
 
-def summary_of(prepared: Prepared, every: bool = False) -> str:
+def summary_of(prepared: Prepared, every: bool = False, announce: Callable[[str], object] = lambda text: None) -> str:
     """Return the summary of a Prepared model as text, see ``summary``."""
     system, deck = prepared.system, prepared.deck
     values = deck.values
@@ -53,7 +55,7 @@ def summary_of(prepared: Prepared, every: bool = False) -> str:
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         f"memory           about {memory_text(memory_of_run(prepared))} in a run",
-        *(_statics(prepared) if values["static"] else _run_size_lines(prepared)),
+        *(_statics(prepared) if values["static"] else _run_size_lines(prepared, announce)),
         *(line for text in _tyres(values["tire_laws"]) for line in _labelled("tyre", text)),
         *(line for text in prepared.carried for line in _labelled("start", text)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
@@ -182,7 +184,7 @@ def _tyres(tire_laws):
             yield f"{name}: {text_under_load(law['smiley_horne'])}"
 
 
-def _run_size_lines(prepared):
+def _run_size_lines(prepared, announce):
     """Yield the lines on steps, saved times and the initial state, with warnings about implausibly many."""
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)
@@ -194,12 +196,21 @@ def _run_size_lines(prepared):
         yield f"initial          the static equilibrium, found by {first['method']}"
         yield from _start(prepared)
     if values["initial"]["steady"]:
-        yield f"initial          {describe(prepared.deck)}, computed when the run starts"
+        yield from _steady_start(prepared, announce)
     elif start := _consistent_start(prepared):
         yield from _velocities(prepared, start)
         if not first:
             _refuse_start(prepared, start)
     for text in amount_warnings(prepared):
+        yield from _labelled("warning", text)
+
+
+def _steady_start(prepared, announce):
+    """Yield the lines on the steady motion at the start, which is found for a copy of the model."""
+    with locating(prepared.deck):
+        found = call_interruptibly(set_initial_state, copy(prepared), True, announce)
+    yield f"initial          {describe(prepared.deck)}, found"
+    for text in found:
         yield from _labelled("warning", text)
 
 

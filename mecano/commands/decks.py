@@ -17,8 +17,8 @@ def check(deck: str, overrides: tuple[str, ...], every: bool, quiet: bool) -> No
     """Check a deck without running it: every error, with line and column, or a summary of the model.
 
     The summary gives the number of elements and steps, mass, unknowns, memory, mobility with the free motions,
-    redundant constraints, and warnings of legal but suspicious input. Exit code 0: no errors, 2: errors in the deck,
-    4: its positions cannot be assembled.
+    redundant constraints, and warnings of legal but suspicious input. Steady motion at the start is found. Exit code 0:
+    no errors, 2: errors in the deck, 3: there is no steady motion, 4: its positions cannot be assembled.
     """
     from mecano.deck.read import read_deck
 
@@ -26,8 +26,9 @@ def check(deck: str, overrides: tuple[str, ...], every: bool, quiet: bool) -> No
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.summary import summary
 
-    with SweepProgress(quiet, "").announcing_compiling():
-        text = summary(checked, every)
+    progress = SweepProgress(quiet, "")
+    with progress.announcing_compiling():
+        text = summary(checked, every, progress.note)
     if not quiet:
         show(text)
 

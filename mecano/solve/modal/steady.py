@@ -20,6 +20,7 @@ The forces are in balance to 1e-9 of the largest one, or to the rounding of the 
 straight shaft that turns, no other forces act.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -75,9 +76,16 @@ class Tangent:
 
 
 class Steady:
-    """Solver for the steady ``motion`` of a system, a Straight or a Rotation; ``length`` [m]: size of the mechanism."""
+    """Solver for the steady ``motion`` of a system, a Straight or a Rotation; ``length`` [m]: size of the mechanism.
 
-    def __init__(self, system: "System", length: float, motion: "Straight | Rotation"):
+    ``notify`` is called at each iteration with the largest out-of-balance force [N].
+    """
+
+    def __init__(
+        self, system: "System", length: float, motion: "Straight | Rotation",
+        notify: Callable[[float], object] = lambda force: None,
+    ):  # fmt: skip
+        self.notify = notify
         self.system, self.length, self.motion = system, length, motion
         of = system.numbering
         self.n_q, self.of_rates = system.n_q, of.of_rates
@@ -262,6 +270,7 @@ class Steady:
         The largest change of q is in length scales or rad, except signals, which may have any unit and have no drag;
         inf if the equations are not finite or cannot be solved.
         """
+        self.notify(at.force)
         n_q, spins, k = self.n_q, N.shape[1], at.k
         rows = np.where(self.of_rates, self.length / self.speed, 1.0)
         A = np.hstack([at.K[:, :n_q] / self.root, at.C @ N * (self.speed / self.length), at.K[:, n_q:] * k])
