@@ -1,21 +1,25 @@
 """Structures that deploy and lock: messages and pictures, and messages if they do not."""
 
 import csv
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
+from mecano.deck.format import deck_error_text
 from mecano.errors import ConvergenceError, DeckError, UnknownNameError
 from mecano.post import pictures
-from mecano.post.deployment import deployment_sheet, margin_text
+from mecano.post.deployment import MARGINS, deployment_sheet, margin_text
 from mecano.post.event_groups import groups, shock_sheet
 from mecano.post.info import info
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
 from mecano.results.reader import open_results
+from mecano.study.outputs import Output
+from mecano.study.read import read_study, try_deck
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +83,38 @@ def test_friction_and_dampers_of_motors_resist(tmp_path):
     angle = deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels[0].curves[0].x.values
     np.testing.assert_allclose(motor.values, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
     np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=1e-4)
+
+
+def test_the_least_margin_is_an_output_of_a_study(tmp_path):
+    """Of the means over the last but two and the last of 40 intervals: 2 (pi/2 - angle) N m over 0.5 N m; the path
+    ends at the last saved time before the lock."""
+    law = "joints.hinge.turning_law={spring: {stiffness: 2}, dry_friction: {force: 0.5, regularization: 1.0e-4}}"
+    run(input_deck("panel_lock", law, "output.every=1e-4"), tmp_path / "panel.h5")
+    with open_results(tmp_path / "panel.h5") as results:
+        found = [Output("m", name, None, "min").value(results) for name in MARGINS]
+    assert [unit for _, unit in found] == ["-", "-"]
+    np.testing.assert_allclose([margin for margin, _ in found], [np.pi / 8.0, np.pi / 40.0], rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("deck", "take", "said"),
+    [
+        ("panel_lock", "max", "study.yaml:4:40: output 'm': of 'motors.margin' only the least value"),
+        ("pendulum", "min", "study.yaml:4:19: output 'm': 'motors.margin': no hinge has a 'turning_law' and a 'latch'"),
+        ("panel_lock", "min", ""),
+    ],
+)
+def test_an_output_of_the_margin_needs_motors(deck, take, said, tmp_path):
+    (tmp_path / "deck.yaml").write_text((INPUTS / f"{deck}.yaml").read_text())
+    study = "study: 1\ndeck: deck.yaml\ngrid: {time.step: [1e-3]}\noutputs: {m: {of: motors.margin, take: TAKE}}\n"
+    (tmp_path / "study.yaml").write_text(study.replace("TAKE", take))
+    try_it = partial(try_deck, read_study(tmp_path / "study.yaml"))
+    if said:
+        with pytest.raises(DeckError) as error:
+            try_it()
+        assert said in deck_error_text(error.value)
+    else:
+        try_it()
 
 
 def test_springs_of_hinges_without_a_latch_are_motors(tmp_path):

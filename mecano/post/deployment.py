@@ -19,7 +19,8 @@ of reaction wheels turn bodies that nothing else holds: what they give accelerat
 nor as resisting, if nothing else gives energy.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from mecano.post.runs import Run
 from mecano.post.sheet import Curve, Panel, Sheet
 
 ANGLES = "angles of the motors"  # clock of the quantities
+MARGINS = ("motors.margin", "motors.margin_at_latching")  # least before the last part LATCHING, and in it
 INTERVALS = 40
 LATCHING = 0.05  # of the way to the first lock
 LEAST = 1e-3  # of the largest torque: less resistance is ignored; of the work of motors: so is that of actuators
@@ -40,14 +42,13 @@ def deployment_sheet(runs: Sequence[Run]) -> Sheet:
     """Return the Sheet of the deployment margin, without panels if no motor turns."""
     torques, margins, reported = [], [], []
     for number, run in enumerate(runs):
-        found = _torques(run, motors(run))
+        found = _torques(run, motors(run.deck))
         if found is not None:
             angle, torque, resisting, times = found
             curve = _Curves(number, times, angle)
             torques += [curve.of("torque", "N m", torque), curve.of("resisting", "N m", resisting)]
-            resists = resisting > LEAST * np.abs(torque).max()
-            margin = np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
-            if resists.any():
+            margin = _margin(torque, resisting)
+            if np.isfinite(margin).any():
                 margins.append(curve.of("margin", "-", margin))
                 reported.append(margin_text(angle, margin))
     panels = [Panel("mean torque", tuple(torques))] if torques else []
@@ -55,20 +56,37 @@ def deployment_sheet(runs: Sequence[Run]) -> Sheet:
     return Sheet("deployment", "Deployment: torque of motors and resistance, to the first lock", tuple(panels))
 
 
+def least_margins(run: Run) -> dict[str, float]:
+    """Return {name of MARGINS: least deployment margin} of a run; nan where nothing resists or no motor turns."""
+    found = _torques(run, motors(run.deck))
+    if found is None:
+        return dict.fromkeys(MARGINS, np.nan)
+    margin = _margin(*found[1:3])
+    return {name: np.nan if i is None else margin[i] for name, i in zip(MARGINS, _least(margin), strict=True)}
+
+
 def margin_text(angle: np.ndarray, margin: np.ndarray) -> str:
     """Return a text on the least ``margin`` (n,) over ``angle`` (n,) [rad], in the last part LATCHING and before."""
-    last = np.arange(len(angle)) >= round((1.0 - LATCHING) * len(angle))
-    least = []
-    for rows in (~last, last):
-        known = np.flatnonzero(rows & np.isfinite(margin))
-        at = known[np.argmin(margin[known])] if len(known) else None
-        least.append("nothing resists" if at is None else f"{margin[at]:.3g} at {angle[at]:.3g} rad")
+    least = ["nothing resists" if i is None else f"{margin[i]:.3g} at {angle[i]:.3g} rad" for i in _least(margin)]
     return f"least {least[0]}; in the last {LATCHING:.0%} of the way {least[1]}"
 
 
-def motors(run: Run) -> dict[str, float]:
-    """Return {name: sign of the latch angle} of the hinges with a law and a latch."""
-    joints = run.deck.get("joints", {}).items()
+def _margin(torque, resisting):
+    """Return the torque (n,) over the resisting torque (n,), nan where next to nothing resists."""
+    resists = resisting > LEAST * np.abs(torque).max()
+    return np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
+
+
+def _least(margin):
+    """Return the indices of the least ``margin`` (n,) before the last part LATCHING and in it; None without one."""
+    last = np.arange(len(margin)) >= round((1.0 - LATCHING) * len(margin))
+    known = [np.flatnonzero(rows & np.isfinite(margin)) for rows in (~last, last)]
+    return [rows[np.argmin(margin[rows])] if len(rows) else None for rows in known]
+
+
+def motors(deck: Mapping[str, Any]) -> dict[str, float]:
+    """Return {name: sign of the latch angle} of the hinges with a law and a latch, of the values of a deck."""
+    joints = deck.get("joints", {}).items()
     driven = ((name, d["latch"]) for name, d in joints if d.get("turning_law") and d.get("latch"))
     return {name: float(np.sign(latch["angle"])) for name, latch in driven if "angle" in latch}
 

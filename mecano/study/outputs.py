@@ -14,6 +14,8 @@ from mecano.deck.units import UnitError, converted, is_quantity
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
+from mecano.post.deployment import MARGINS, least_margins, motors
+from mecano.post.runs import Run
 from mecano.results.lookup import Lookup
 from mecano.results.reader import Results
 from mecano.results.recorded import MAGNITUDE
@@ -81,6 +83,8 @@ class Output:
         return found[0 if self.take == "first" else -1].time, results.axis.unit
 
     def _of_series(self, series, results):
+        if series in MARGINS:
+            return least_margins(Run(results))[series], "-"
         trace = results.find(series)
         values = trace.values
         if self.take == "final":
@@ -118,8 +122,19 @@ def checked_outputs(
         if output.event:
             _check_event(output.event, event_records, node.value["event"][1], scope)
             _check_limits(node, EVENT_UNITS[output.take], scope)
+        elif output.of in MARGINS:
+            _check_margin(output, prepared.deck.values, node, scope)
         elif series := _checked_series(output.of, lookup, node.value["of"][1], scope):
             _check_limits(node, "s" if output.take.startswith("time") else series.unit, scope)
+
+
+def _check_margin(output, values, node, scope):
+    """Report a deployment margin of which not the least value is taken, or of a model without motors."""
+    if output.take != "min":
+        scope.refuse(node.value["take"][1], f"of {quoted(output.of)} only the least value is known", "write 'min'")
+    if not motors(values):
+        scope.refuse(node.value["of"][1], f"{quoted(output.of)}: no hinge has a 'turning_law' and a 'latch'")
+    _check_limits(node, "-", scope)
 
 
 def _check_limits(node, unit, scope):
