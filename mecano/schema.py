@@ -56,6 +56,7 @@ CONTINUOUS_DRIVE = Type("drive", DRIVE.expects, ("continuous",))  # without jump
 MOTION = Type("drive", "a number, the name of a law, a law of time, or a formula of the time", ("motion",))
 UNIT = Type("unit", "a unit, such as N m, deg or m/s")
 FORMULA = Type("formula", "a formula of signals, outputs of elements, motions of nodes and the time")
+FUNCTION = Type("function", "a formula of s")
 CONDITION = Type("condition", "a condition, such as hinge.angle > 1.5")
 SIGNAL_ENTRY = Type("signal_entry", "a formula, or a mapping with the key 'type'", ("signals",))
 GROUND = Type("ground", "the name of a ground")

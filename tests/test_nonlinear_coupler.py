@@ -103,3 +103,40 @@ def test_couplers_that_are_refused(given, text):
     with pytest.raises(DeckError) as error:
         deck(YOKE.replace("GIVEN", given))
     assert text in error.value.problems[0].message
+
+
+def test_a_formula_is_the_same_as_its_closed_form(verify):
+    """Elliptical gears by a formula: tan(b/2) = (1 - e)/(1 + e) tan(a/2), continued over turns, exact at any step."""
+    formula = "s - 2*atan2(0.3*sin(s), 1 + 0.3*cos(s))"
+    text = ["joints.teeth.function=null", f"joints.teeth.formula={formula}", "joints.teeth.period=null"]
+    coarse, fine = (RecordedRun(input_deck("elliptical_gears", *text, f"time.step={h}")) for h in (4e-3, 2e-3))
+    rate = lambda t, a: RATE * np.sqrt(inertia(0.0) / inertia(a))  # noqa: E731
+    a = solve_ivp(rate, (0.0, 1.6), [0.0], "DOP853", coarse.time, rtol=1e-12, atol=1e-12).y[0]
+    angles = [m["joints/bearing_1/angle"] for m in (coarse, fine)]
+    what = "elliptical gears by a formula: angle of gear 1 [rad]"
+    verify.second_order("Nonlinear coupler", what, angles[0], angles[1][::2], a, 2e-6, "energy")
+    own, b = (fine[f"joints/bearing_{i}/angle"] for i in (1, 2))
+    np.testing.assert_allclose(b, own - 2.0 * np.arctan2(E * np.sin(own), 1.0 + E * np.cos(own)), rtol=0.0, atol=1e-12)
+    f, slope = ratio(a)
+    a_2 = -J_2 * f * slope * rate(0, a) ** 2 / inertia(a)
+    moment = J_2 * (slope * rate(0, a) ** 2 + f * a_2)
+    np.testing.assert_allclose(fine["joints/teeth/load_1"][::2], moment, rtol=0.0, atol=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("abs(s)", "'abs' has a corner"),
+        ("s + time", "must depend on s alone"),
+        ("sin(x)", "must depend on s alone"),
+        ("sin(s", "a bracket is not closed"),
+    ],
+)
+def test_errors_of_formulas(given, message):
+    with pytest.raises(DeckError, match=message):
+        input_deck("elliptical_gears", "joints.teeth.function=null", f"joints.teeth.formula='{given}'")
+
+
+def test_a_function_is_given_once():
+    with pytest.raises(DeckError, match="give one of 'function' and 'formula'"):
+        input_deck("elliptical_gears", "joints.teeth.formula=s")

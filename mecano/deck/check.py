@@ -11,7 +11,7 @@ from mecano.deck.compose import Node
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS
-from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, signal_entry
+from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, function, signal_entry
 from mecano.deck.key_synonyms import keys_meant
 from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
@@ -95,6 +95,7 @@ CHECKS = {
     "drive": drive,
     "formula": formula,
     "condition": condition,
+    "function": function,
     "signal_entry": signal_entry,
     "joint": values.named,
     "parameter": parameter,

@@ -15,6 +15,7 @@ from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import SIGN, Formula, FormulaError, difference_of, read_formula
+from mecano.laws.formula_rate import ARGUMENT, with_slopes
 from mecano.model.quantity_names import UnknownQuantity, resolve
 from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER, Field, Values
 
@@ -76,6 +77,22 @@ def condition(node: Node, field: Field, scope: Scope) -> str | Invalid:
         return scope.refuse(node, f"the condition {node.value!r}: {error.message}")
     _note_formula(found, node, scope)
     return text
+
+
+def function(node: Node, field: Field, scope: Scope) -> str | Invalid:
+    """Return a checked formula of s alone as text, with parameters replaced by their values."""
+    if type(node.value) not in (str, int, float):
+        return scope.refuse_value(node, field)
+    found = _read(str(node.value), node, scope)
+    if found is INVALID:
+        return INVALID
+    if found.depends_on_time or not {ARGUMENT}.issuperset(found.references):
+        return scope.refuse(node, f"the formula {quoted(found.text)} must depend on {ARGUMENT} alone, its argument")
+    try:
+        with_slopes(found.text)
+    except FormulaError as error:
+        return scope.refuse(node, f"the formula {quoted(found.text)}: {error.message}")
+    return found.text
 
 
 def _as(text, node):

@@ -200,6 +200,7 @@ WRITTEN = {
     "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),
     "matrix_6": _list(ARRAY_OR_ROWS, 6, 6), "points": _list(_list(NUMBER, 2, 2)), "law": {"anyOf": [TEXT, LAW]},
     "drive": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "formula": {"type": ["string", "number"]}, "condition": TEXT,
+    "function": {"type": ["string", "number"]},
     "curve": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "law_in_place": {"anyOf": [NUMBER, LAW]},
     "reduced": {"anyOf": [TEXT, {"type": "object"}]}, "rows": {"anyOf": [TEXT, _list(_list(NUMBER))]},
     "arguments": {"type": "object", "additionalProperties": {"type": ["number", "string"]}},

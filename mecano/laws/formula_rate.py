@@ -1,6 +1,7 @@
 """Rates of a formula of the time, as other formulas: its symbolic derivatives."""
 
 import ast
+import re
 
 from mecano.laws.formula import BINARY, FormulaError, read_formula, share_of_edge
 
@@ -17,6 +18,7 @@ SMOOTH = {  # function: its derivative, a formula of the argument {0}
 }  # fmt: skip
 STEPS = {"step": "step_slope", "step_slope": "step_bend"}  # functions of x, a, b: derivatives by (x - a)/(b - a)
 ZERO, ONE = "0", "1"
+ARGUMENT = "s"  # of formulas of one variable
 
 
 def with_rates(text):
@@ -32,6 +34,14 @@ def with_rates(text):
         except FormulaError:
             raise FormulaError(TOO_LONG) from None
     return found
+
+
+def with_slopes(text):
+    """Return a formula (text) of s alone and its two slopes as Formulas of the time, which stands for s.
+
+    Raises FormulaError as ``with_rates``.
+    """
+    return with_rates(re.sub(rf"\b{ARGUMENT}\b", "time", text))
 
 
 def rate_of(text):
