@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
@@ -179,3 +180,103 @@ def test_a_sling_lets_go_of_a_stone(verify):
         np.testing.assert_array_equal(tension[m.time > let_go + 1e-9], 0.0)
     what = "trebuchet: instants at which the stone leaves chute and sling and is 20 m away; its speed"
     verify.second_order("Release", what, *found, exact, 1e-5, "SciPy, with Lagrange's multipliers")
+
+
+TWO = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}}
+    elements:
+      first: {type: rigid_body, node: a, mass: 2, center_of_mass: [-0.5, 0.1, 0], inertia: [0.3, 0.2, 0.1]}
+      second: {type: rigid_body, node: b, mass: 1, center_of_mass: [0.4, 0, 0.2], inertia: [0.05, 0.1, 0.08]}
+    joints:
+      joint: {JOINT, release: RELEASE}
+      OTHER
+    initial: {velocities: [{nodes: [a, b], velocity: [1, 2, -1], angular_velocity: [1, -2, 3], about: [0, 0, 0]}]}
+    time: {end: 0.6, step: STEP}
+    """
+AXES = "nodes: [a, b], axis: [0, 0, 1]"
+JOINTS = {
+    "spherical": "type: spherical, nodes: [a, b]",
+    "universal": "type: universal, nodes: [a, b], axis_a: [1, 0, 0], axis_b: [0, 1, 0]",
+    "planar": f"type: planar, {AXES}",
+    "screw": f"type: screw, {AXES}, pitch: 0.1",
+    "generic": f"type: generic, {AXES}, free: [about_1]",
+    "driven": f"type: generic, {AXES}, driven: {{along_1: time**2}}, driven_rates: {{along_2: time/2, about_axis: 2}}",
+}
+DRIVES = {
+    "position": "type: prescribed_position, node: b, direction: [1, 0, 0], value: time + time**2",
+    "angle": f"type: prescribed_angle, {AXES}, value: time**2",
+    "rate": f"type: prescribed_angle, {AXES}, rate: 2*sin(time)",
+    "law": f"type: prescribed_angle, {AXES}, rate: 3",
+}
+
+
+def two_bodies(joint, release, step, other=""):
+    text = TWO.replace("JOINT", joint).replace("RELEASE", release).replace("STEP", str(step)).replace("OTHER", other)
+    return RecordedRun(deck(text))
+
+
+def momenta(m):
+    """Return the momentum and the moment of momentum about the origin (n, 6) of both bodies."""
+    total = np.zeros((len(m.time), 6))
+    for body, node, mass, J in (("first", "a", 2.0, [0.3, 0.2, 0.1]), ("second", "b", 1.0, [0.05, 0.1, 0.08])):
+        x, v = m[f"elements/{body}/center_of_mass"], m[f"nodes/{node}/velocity"]
+        w, R = m[f"nodes/{node}/angular_velocity"], Rotation.from_quat(m[f"nodes/{node}/rotation"][:, [1, 2, 3, 0]])
+        R = R.as_matrix()
+        p = mass * (v + np.cross(w, x - m[f"nodes/{node}/position"]))
+        spin = np.einsum("nij,j,nkj,nk->ni", R, np.array(J), R, w)
+        total += np.hstack([p, np.cross(x, p) + spin])
+    return total
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_a_released_joint_keeps_momentum_and_energy(name):
+    """Also the work of drives until then; the bodies are free afterwards, and the reactions zero."""
+    errors = []
+    for step in (2e-3, 1e-3):
+        m = two_bodies(JOINTS[name], "{time: 0.3}", step)
+        (released,) = m.event_records
+        assert released.t == pytest.approx(0.3, abs=1e-12) and released.name == "releases"
+        after, total = m.time > 0.3 + 1e-9, momenta(m)
+        for reaction in ("force", "moment")[: 1 if name == "spherical" else 2]:
+            assert np.abs(m[f"joints/joint/{reaction}"][~after]).max() > 0.05
+            np.testing.assert_array_equal(m[f"joints/joint/{reaction}"][after], 0.0)
+        body = m["elements/second/center_of_mass"][after]
+        np.testing.assert_allclose(np.diff(body, 2, axis=0), 0.0, rtol=0.0, atol=1e-9)
+        given, kinetic = m["energy/given"], m["energy/kinetic"]
+        np.testing.assert_array_equal(given[after], given[-1])
+        assert (abs(given[-1]) > 0.1) == (name == "driven")
+        errors.append([np.abs(total - total[0]).max(), np.abs(kinetic - given - kinetic[0]).max()])
+    coarse, fine = np.array(errors)
+    assert np.all(fine < 1e-4) and np.all((coarse > 3.0 * fine) | (fine < 1e-9))
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_a_released_drive_lets_go(name):
+    """It gives no power afterwards; a hinge keeps the bodies together."""
+    m = two_bodies(
+        DRIVES[name], "{when: time > 0.3}", 1e-3, "" if name == "position" else f"pin: {{type: hinge, {AXES}}}"
+    )
+    (released,) = m.event_records
+    after, given = m.time > 0.3 + 1e-9, m["energy/given"]
+    load = m["joints/joint/force" if name == "position" else "joints/joint/moment"]
+    assert released.t == pytest.approx(0.3, abs=1e-9) and np.abs(load[~after]).max() > 0.05
+    np.testing.assert_array_equal(load[after], 0.0)
+    np.testing.assert_array_equal(given[after], given[-1])
+    np.testing.assert_allclose(m["energy/kinetic"] - given, m["energy/kinetic"][0], rtol=0.0, atol=2e-4)
+    if name != "position":
+        np.testing.assert_allclose(m["joints/joint/angle"], m["joints/pin/angle"], rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("joint", "other"),
+    [
+        (f"type: screw, {AXES}, pitch: 1, turning_law: {{spring: 1}}", "turning_law"),
+        (f"type: generic, {AXES}, compliance: {{about_1: {{spring: 1}}}}", "compliance"),
+        ("type: spherical, nodes: [a, b], friction: {coefficient: 0.1, regularization: 0.1, radius: 0.1}", "friction"),
+    ],
+)
+def test_options_that_would_remain_are_refused(joint, other):
+    with pytest.raises(DeckError, match=f"'release' and '{other}' exclude one another"):
+        two_bodies(joint, "{time: 1}", 1e-3)

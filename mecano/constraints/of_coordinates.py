@@ -7,7 +7,6 @@ from mecano.constraints.along_coordinate.hold import (
     hold_kind,
     motion_values,
     rate_kind,
-    release_kind,
     signal_rate_kind,
 )
 from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
@@ -29,13 +28,8 @@ HELD = (
     ("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle"),
     ("same_distance", "Same distance: constant distance of two nodes.", LENGTH, "force that pushes the nodes apart"),
 )  # fmt: skip
-"""Name, page, coordinate and name of the multiplier of the constraints of joints that may be released."""
-IN_PLANE, ORTHOGONAL, SAME_ANGLE, SAME_DISTANCE = held_kinds = [hold_kind(*row) for row in HELD]
-RELEASED = {
-    kind: release_kind(f"{name}_release", f"{doc} Until it is released.", coordinate, row)
-    for kind, (name, doc, coordinate, row) in zip(held_kinds, HELD, strict=True)
-}
-"""The constraints that hold until they are released, by those that always hold."""
+"""Name, page, coordinate and name of the multiplier of the constraints that hold a coordinate."""
+IN_PLANE, ORTHOGONAL, SAME_ANGLE, SAME_DISTANCE = (hold_kind(*row) for row in HELD)
 LEVEL_AXIS = hold_kind(
     "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
     LEVEL, "moment that keeps the axis level",

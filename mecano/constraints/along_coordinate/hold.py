@@ -25,9 +25,6 @@ from mecano.laws.formula_rate import with_rates
 from mecano.laws.law_table import evaluate_curve, potential
 from mecano.maths.dual import chain, number, value
 
-HELD = 0
-RELEASE_PHASES = ("held", "free")
-
 
 class Motion(NamedTuple):
     """The motion of a driven coordinate: fields of its record, and a compiled function."""
@@ -119,20 +116,9 @@ def _at_offset(p, at):
     return 1.0, p.offset, 0.0
 
 
-@kernel
-def _until_released(p, at):
-    return 1.0 if at.phase == HELD else 0.0, p.offset, 0.0
-
-
 def hold_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at the ``offset`` of its record; ``row`` names the multiplier."""
     return _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset))
-
-
-def release_kind(name, doc, coordinate, row):
-    """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
-    kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _until_released))
-    return replace(kind, phases=RELEASE_PHASES)
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):

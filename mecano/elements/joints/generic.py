@@ -27,6 +27,7 @@ from mecano.constraints.pair import (
     AXES,
     AXES_FIELDS,
     AXIS_1,
+    FIRST_ROW,
     axis_place,
     compliance_field,
     coordinate_of,
@@ -36,6 +37,8 @@ from mecano.constraints.pair import (
     put_reactions,
     rigid_axes,
 )  # fmt: skip
+from mecano.constraints.release import FIRST_ROW as FIRST_RELEASED
+from mecano.constraints.release import RELEASE, SAMPLE, check_release, releasable
 from mecano.constraints.triads import not_flipped
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
@@ -105,7 +108,8 @@ def prepare(d, nodes, context):
     drives = {"drive": [motion.get("law", 0) for motion in motions]}
     if _by_formula(d):
         drives["rate"] = [motion.get("rate", 0) for motion in motions]
-    return {**drives, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context)}
+    first = FIRST_RELEASED if d["release"] else FIRST_ROW
+    return {**drives, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context, first)}
 
 
 def parts(d, nodes, context):
@@ -125,7 +129,7 @@ def parts(d, nodes, context):
 
 def check(d, nodes):
     """Check that no axis is given twice, and that at least one is not free."""
-    texts = check_axis_1(d, nodes)
+    texts = check_axis_1(d, nodes) + check_release(d, ("compliance",))
     laws = {
         name: {axis for axis, law in (d[name] or {}).items() if law is not None}
         for name in ("compliance", "driven", "driven_rates")
@@ -160,6 +164,7 @@ GENERIC = Kind(
         Field("driven", DRIVEN, "-", "motions along axes; 1, 2: of mu_1, mu_2", None),
         Field("driven_rates", RATES, "-", "rates along axes, laws of time or formulas of signals", None),
         compliance_field(AXES),
+        RELEASE,
     ),
     outputs=(
         *translation("mu_1, mu_2 and the axis").declared,
@@ -170,15 +175,19 @@ GENERIC = Kind(
     ),
     optional=law_outputs("compliance", AXES),
     observe=_observed(_rate_of_law),
-    variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
-    holds=lambda d: () if d["driven"] or d["driven_rates"] else rigid_axes(_bound(d), d["compliance"]),
+    variant=lambda d: (RELEASED if d["release"] else KINDS)[_by_formula(d)],
+    holds=lambda d: () if d["driven"] or d["driven_rates"] or d["release"] else rigid_axes(_bound(d), d["compliance"]),
     cases=(
         {},
         {**FIRST, "free": ("about_1",), "driven": {"about_axis": WAVE, "along_2": WAVE}},
+        {**FIRST, **SAMPLE, "driven": {"along_1": WAVE}, "driven_rates": {"along_2": WAVE, "about_axis": "command"}},
+        {**FIRST, **SAMPLE, "free": ("about_1", "about_2"), "driven": {"along_2": "sin(time)"}},
         {**FIRST, "driven": {"along_1": "sin(time)", "about_axis": "time**2/2", "along_2": WAVE}},
         {**FIRST, "driven_rates": {"along_2": WAVE, "along_axis": "command", "about_axis": "command"}},
         {**FIRST, "free": ("along_1", "about_axis"), "compliance": LEAN},
     ),
     **named(prepare, parts, check, admissible),
 )  # fmt: skip
-BY_FORMULA = replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))
+KINDS = GENERIC, replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))
+RELEASED = tuple(releasable(kind, admissible=None) for kind in KINDS)
+"""The joints whose axes laws drive, or also formulas of time; and those with a release."""

@@ -60,6 +60,7 @@ class LowerPair:
     motions: tuple = ()  # Outputs of the motions that are free
     options: tuple = ()  # of Option
     reactions: Outputs = ALL_HELD
+    released: "LowerPair | None" = None  # the row of the joint with a release, if it is a ``rigid_pair``
     fields: tuple = ()  # of its own, after the axis
     record: np.dtype = AXES_RECORD
     place: Callable = axis_place  # (d, nodes, context) -> values of the record, mu, xi and start among them
@@ -121,7 +122,7 @@ def rigid_pair(name, doc, pair, cases=({},)):
         return lambda d, nodes, context: of(pair.place(d, nodes, context))
 
     outputs = (*pair.motions, pair.reactions)
-    return Kind(
+    kind = Kind(
         name=name, section="joints", doc=doc, display=pair.display, dtype=pair.record, layout=("x0", "R0", "x1", "R1"),
         fields=pair.declared, outputs=tuple(chain.from_iterable(o.declared for o in outputs)), optional=pair.optional,
         memory=tuple(chain.from_iterable(o.memory for o in outputs)),
@@ -131,6 +132,23 @@ def rigid_pair(name, doc, pair, cases=({},)):
         admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, holds=pair.holds,
         cases=cases, bounds=bounds,
     )  # fmt: skip
+    return _with_release(kind, pair) if pair.released else kind
+
+
+def _with_release(kind, pair):
+    """Return the ``kind`` of a rigid pair with the field ``release``."""
+    given = replace(
+        kind, fields=(*kind.fields, RELEASE), cases=(*kind.cases, {**kind.cases[0], **SAMPLE}),
+        check=lambda d, nodes: kind.check(d, nodes) + check_release(d, _options(pair)),
+    )  # fmt: skip
+    free = rigid_pair(kind.name, kind.doc, pair.released)
+    released = releasable(free, fields=given.fields, check=given.check, admissible=None)
+    return replace(given, variant=lambda d: released if d["release"] else given)
+
+
+def _options(pair):
+    """Return the fields of the options that exclude a release."""
+    return tuple(dict.fromkeys(field for field, _, _ in pair.optional))
 
 
 def lower_pair(name, doc, pair, cases):
@@ -140,7 +158,7 @@ def lower_pair(name, doc, pair, cases):
         return pair_record(pair.place(d, nodes, context), pair.held, d["compliance"], context)
 
     rigid = rigid_pair(name, doc, pair)
-    excluded = (*dict.fromkeys(field for field, _, _ in pair.optional), "compliance")
+    excluded = (*_options(pair), "compliance")
     kind = replace(
         rigid, dtype=PAIR_RECORD, fields=(*pair.declared, compliance_field(pair.held), RELEASE),
         optional=(*pair.optional, *law_outputs("compliance", pair.held)), prepare=prepare,
@@ -175,4 +193,4 @@ def _released(kind, pair):
     def prepare(d, nodes, context):
         return pair_record(pair.place(d, nodes, context), pair.held, None, context, FIRST_ROW)
 
-    return replace(releasable(kind), prepare=prepare, admissible=None)
+    return releasable(kind, prepare=prepare, admissible=None)

@@ -11,9 +11,13 @@ axes in the plane are chosen as for the hinge, and the assembly rejects :math:`\
 Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
 
+from dataclasses import replace
+
 from mecano.constraints.along_coordinate.measure import MOMENT, TURNING, Outputs, translation
 from mecano.constraints.joint_options import TURNING_LAW
 from mecano.constraints.joint_samples import AXIS_1, TURNING_SPRUNG
+from mecano.constraints.pair import FIRST_ROW
+from mecano.constraints.release import FIRST_ROW as FIRST_RELEASED
 from mecano.element_interface import Display, Output
 from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
@@ -21,22 +25,27 @@ from mecano.maths.vector import put
 from mecano.schema import DIRECTION, Field
 
 
-@kernel
-def _put_reactions(p, at, F, y, i):
-    """Write the force of one multiplier, the moment of the other two."""
-    y[i] = at.q[14]
-    put(y, i + 1, (-at.q[13], at.q[12], 0.0))
+def _reactions(first):
+    """Return the Outputs of the reactions, whose multipliers begin at the local index ``first``."""
+
+    @kernel
+    def put_reactions(p, at, F, y, i):
+        """Write the force of one multiplier, the moment of the other two."""
+        y[i] = at.q[first + 2]
+        put(y, i + 1, (-at.q[first + 1], at.q[first], 0.0))
+
+    return Outputs((Output("force", "N", "force of a on b along the normal"), MOMENT), put_reactions)
 
 
+PAIR = LowerPair(
+    axis=Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; carried by a"),
+    held=("about_2", "about_1", "along_axis"),
+    display=Display(support=False, pictures=("planes",)),
+    motions=(translation("mu_1, mu_2 and the normal"), TURNING),
+    options=(TURNING_LAW,),
+    reactions=_reactions(FIRST_ROW),
+)
 PLANAR = rigid_pair(
-    "planar", __doc__,
-    LowerPair(
-        axis=Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; carried by a"),
-        held=("about_2", "about_1", "along_axis"),
-        display=Display(support=False, pictures=("planes",)),
-        motions=(translation("mu_1, mu_2 and the normal"), TURNING),
-        options=(TURNING_LAW,),
-        reactions=Outputs((Output("force", "N", "force of a on b along the normal"), MOMENT), _put_reactions),
-    ),
+    "planar", __doc__, replace(PAIR, released=replace(PAIR, reactions=_reactions(FIRST_RELEASED))),
     cases=({}, {"axis_1": AXIS_1, **TURNING_SPRUNG}),
 )  # fmt: skip

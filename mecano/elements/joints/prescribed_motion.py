@@ -9,7 +9,8 @@ zero if the deck gives the distance itself; an angle may cover many turns. f is 
 The ``rate`` u is a law of time, integrated exactly, or a formula of signals: then :math:`\dot c - u = 0` is a
 constraint on velocities, and c follows from the integration in time.
 The multiplier is the load along c: a force along n, a moment on b about the axis, or a force that pushes the nodes
-apart. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings; with a rate, :math:`k\lambda\, u`.
+apart. With a ``release`` the drive lets go. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings; with
+a rate, :math:`k\lambda\, u`.
 """
 
 from dataclasses import replace
@@ -28,12 +29,14 @@ from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_nodes import ENDS, NODES, check_apart, distance
 from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
 from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
+from mecano.constraints.release import RELEASE, SAMPLE, check_release, releasable
 from mecano.constraints.triads import triad
 from mecano.element_interface import BY_COMMAND, UNUSED, Display, Kind, Output, named, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, MOTION, NODE, Field
 
 EQUATIONS, RATE = __doc__.partition("\n\n")[2], "rate"
+RATE_ALONE = 2  # index of the Kind of a joint that drives the rate, after those by a law and by a formula
 
 
 def _prescribed(name, what, coordinate, constraint, place, motions=("value",), **declared):
@@ -58,19 +61,21 @@ def _prescribed(name, what, coordinate, constraint, place, motions=("value",), *
 
     def check(d, nodes):
         once = [f"give one of {' and '.join(map(repr, names))}"] if len(drives(d)) != 1 else []
-        return once + also(d, nodes)
+        return once + also(d, nodes) + check_release(d, ())
 
     def variant(d):
-        return of_rate if d[RATE] is not None else by_formula if any(map(is_formula, drives(d))) else by_law
+        number = RATE_ALONE if d[RATE] is not None else any(map(is_formula, drives(d)))
+        return (released if d["release"] is not None else kinds)[number]
 
-    declared["fields"] += (_rate_field(coordinate),)
-    by_law = Kind(
+    declared["fields"] += (_rate_field(coordinate), RELEASE)
+    kind = Kind(
         name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout, **declared,
         **named(prepare, parts, drives, check, variant), **_of_motion(coordinate, BY_LAW),
     )  # fmt: skip
-    by_formula = replace(by_law, **_of_motion(coordinate, BY_FORMULA))
-    of_rate = replace(by_law, **_of_rate(coordinate))
-    return by_law
+    kinds = kind, replace(kind, **_of_motion(coordinate, BY_FORMULA)), replace(kind, **_of_rate(coordinate, 0))
+    released = [releasable(kind, **_released(coordinate, motion)) for motion in (BY_LAW, BY_FORMULA)]
+    released.append(releasable(kind, **_of_rate(coordinate, 1)))
+    return kind
 
 
 def _rate_field(coordinate):
@@ -95,9 +100,12 @@ def _of_motion(coordinate, motion):
     return {"dtype": record(**coordinate.axes, **motion.fields), **named(observe)}
 
 
-def _of_rate(coordinate):
-    """Return the same of a joint that drives the rate, whose part has its power; the memory counts turns."""
-    count, gradient, row = counted(coordinate), coordinate.gradient, coordinate.row
+def _of_rate(coordinate, inputs):
+    """Return the same of a joint that drives the rate, whose part has its power; the memory counts turns.
+
+    ``inputs``: their number, which precede the multiplier.
+    """
+    count, gradient, row = counted(coordinate), coordinate.gradient, coordinate.row + inputs
 
     @kernel
     def observe(p, at, F, y, e):
@@ -109,6 +117,19 @@ def _of_rate(coordinate):
 
     turns = {"memory": ("angle",), "commit": commit} if coordinate.periodic else {}
     return {"dtype": record(**coordinate.axes or {UNUSED: ()}), **named(observe), **turns}
+
+
+def _released(coordinate, motion):
+    """Return the same of a joint with a release, whose ``coordinate`` follows this ``motion`` until then."""
+    of_rate, target, row = _of_rate(coordinate, 1), motion.at, coordinate.row + 1
+    measure = of_rate["observe"]
+
+    @kernel
+    def observe(p, at, F, y, e):
+        measure(p, at, F, y, e)
+        e[3] = at.q[row] * target(p, at)[1]
+
+    return {**of_rate, "dtype": record(**coordinate.axes, **motion.fields), **named(observe)}
 
 
 def _displacement(d, nodes):
@@ -130,6 +151,7 @@ def _sine(amplitude, frequency, offset):
 
 
 RATES = {"rate": _sine(0.3, 0.2, 0.1)}, {"rate": "command"}  # of samples
+RELEASES = tuple({**given, **SAMPLE} for given in (*RATES, {"value": "time**2/2"}, {"value": RATES[0]["rate"]}))
 PRESCRIBED_POSITION = _prescribed(
     "prescribed_position", "Displacement of a node along an inertial direction, as a function of time", DISPLACEMENT,
     HELD_COORDINATE, _displacement,
@@ -144,7 +166,7 @@ PRESCRIBED_POSITION = _prescribed(
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "force on the node along the direction"),
     ),
-    cases=({"value": _sine(0.3, 0.7, 0.1)}, {"value": "time**2/2"}, *RATES),
+    cases=({"value": _sine(0.3, 0.7, 0.1)}, {"value": "time**2/2"}, *RATES, *RELEASES),
 )  # fmt: skip
 PRESCRIBED_ANGLE = _prescribed(
     "prescribed_angle", "Rotation of node b relative to node a about an axis, as a function of time", TWIST,
@@ -161,7 +183,7 @@ PRESCRIBED_ANGLE = _prescribed(
         *angle_outputs("rotation of b relative to a about the axis since the start"),
         Output("moment", "N m", "moment of a on b about the axis"),
     ),
-    cases=({"value": _sine(30.0, 0.2, 4.0)}, {"value": "9*sin(time/4)"}, *RATES),
+    cases=({"value": _sine(30.0, 0.2, 4.0)}, {"value": "9*sin(time/4)"}, *RATES, *RELEASES),
 )  # fmt: skip
 PRESCRIBED_LENGTH = _prescribed(
     "prescribed_length", "Distance of two nodes as a function of time, as for a driven strut or leg", DISTANCE,
@@ -178,5 +200,8 @@ PRESCRIBED_LENGTH = _prescribed(
         Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
     ),
     check=check_apart,
-    cases=({"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}, *RATES),
+    cases=(
+        {"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}, *RATES,
+        *RELEASES,
+    ),
 )  # fmt: skip

@@ -1,7 +1,5 @@
 r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends rotate freely."""
 
-from dataclasses import replace
-
 from mecano.constraints.joint_nodes import ENDS, check_apart, distance
 from mecano.constraints.of_coordinates import SAME_DISTANCE
 from mecano.constraints.release import RELEASE, check_release, releasable
@@ -45,4 +43,4 @@ RIGID_ROD = Kind(
     observe=_observed(6),
     **named(parts),
 )  # fmt: skip
-RELEASED_ROD = replace(releasable(RIGID_ROD), observe=_observed(7))
+RELEASED_ROD = releasable(RIGID_ROD, observe=_observed(7))

@@ -16,6 +16,7 @@ a ``latch`` and ``stops`` act at given displacements (docs/shocks.md).
 """
 
 import math
+from dataclasses import replace
 
 from mecano.constraints.along_coordinate.measure import REACTIONS, SLIDING, TURNING, Outputs, put_sliding
 from mecano.constraints.body_fixed import follow
@@ -25,7 +26,8 @@ from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_options import SLIDE_ENDS, TURNING_LAW, Option
 from mecano.constraints.joint_samples import SLIDE_STOPPED, TURNING_SPRUNG
 from mecano.constraints.of_coordinates import BOTH
-from mecano.constraints.pair import AXES_FIELDS, axis_place
+from mecano.constraints.pair import AXES_FIELDS, FIRST_ROW, axis_place
+from mecano.constraints.release import FIRST_ROW as FIRST_RELEASED
 from mecano.constraints.thread_friction import THREAD_FRICTION, thread_friction_parts
 from mecano.constraints.tooth_friction import FRICTION
 from mecano.element_interface import Display, Part, record
@@ -47,11 +49,16 @@ def _put_motion(p, at, F, y, i):
     y[i] = follow((along - p.start[2]) / p.travel, angle)
 
 
-@kernel
-def _put_reactions(p, at, F, y, i):
-    """Write the force, from three multipliers, and the moment, which includes that of the thread."""
-    put(y, i, vec(at.q, 14))
-    put(y, i + 3, (-number(at.q[13]), number(at.q[12]), -p.travel * number(at.q[16])))
+def _reactions(first):
+    """Return the Outputs of the reactions, whose multipliers begin at the local index ``first``."""
+
+    @kernel
+    def put_reactions(p, at, F, y, i):
+        """Write the force, from three multipliers, and the moment, which includes that of the thread."""
+        put(y, i, vec(at.q, first + 2))
+        put(y, i + 3, (-number(at.q[first + 1]), number(at.q[first]), -p.travel * number(at.q[first + 4])))
+
+    return Outputs(REACTIONS, put_reactions)
 
 
 def _thread(d, p, context):
@@ -60,26 +67,28 @@ def _thread(d, p, context):
     return [Part(GEARED_SLIDE, BOTH, thread), *thread_friction_parts(d["friction"], thread, len(HELD))]
 
 
-SCREW = rigid_pair(
-    "screw", __doc__,
-    LowerPair(
-        axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
-        held=HELD,
-        display=Display(support=False, pictures=("gears",)),
-        motions=(
-            Outputs((*TURNING.declared, *SLIDING.declared), _put_motion, measures=TURNING.measures | SLIDING.measures),
-        ),
-        options=(Option((FRICTION,), _thread, (("friction", THREAD_FRICTION, ""),)), TURNING_LAW, SLIDE_ENDS),
-        reactions=Outputs(REACTIONS, _put_reactions),
-        fields=(
-            Field(
-                "pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed",
-                check=requirement(lambda pitch: pitch != 0.0, "must not be zero; without a pitch use a hinge"),
-            ),
-        ),
-        record=record(travel=(), **AXES_FIELDS),
-        place=lambda d, nodes, context: {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)},
+PAIR = LowerPair(
+    axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
+    held=HELD,
+    display=Display(support=False, pictures=("gears",)),
+    motions=(
+        Outputs((*TURNING.declared, *SLIDING.declared), _put_motion, measures=TURNING.measures | SLIDING.measures),
     ),
+    options=(Option((FRICTION,), _thread, (("friction", THREAD_FRICTION, ""),)), TURNING_LAW, SLIDE_ENDS),
+    reactions=_reactions(FIRST_ROW),
+    fields=(
+        Field(
+            "pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed",
+            check=requirement(lambda pitch: pitch != 0.0, "must not be zero; without a pitch use a hinge"),
+        ),
+    ),
+    record=record(travel=(), **AXES_FIELDS),
+    place=lambda d, nodes, context: {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)},
+)  # fmt: skip
+RELEASED = replace(PAIR, motions=(TURNING, SLIDING), reactions=_reactions(FIRST_RELEASED))
+"""The row with a release, after which the sliding does not tell the number of turns."""
+SCREW = rigid_pair(
+    "screw", __doc__, replace(PAIR, released=RELEASED),
     cases=(
         {},
         {"pitch": -3.0, **TURNING_SPRUNG},

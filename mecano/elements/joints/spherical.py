@@ -11,6 +11,7 @@ from mecano.constraints.along_coordinate.friction import check_friction, frictio
 from mecano.constraints.ball_friction import BALL_FRICTION
 from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import FALLING
+from mecano.constraints.release import RELEASE, SAMPLE, check_release, releasable
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing
 from mecano.jit.kernel import kernel
@@ -23,10 +24,15 @@ def observe(p, at, F, y, e):
     put(y, 0, -vec(F, 3))
 
 
-@kernel
-def observe_held(p, at, F, y, e):
-    """Write the reaction."""
-    put(y, 0, vec(at.q, 6))
+def _held(first):
+    """Return ``observe`` for three multipliers from the local index ``first`` on."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write the reaction."""
+        put(y, 0, vec(at.q, first))
+
+    return observe
 
 
 def parts_held(d, nodes, context):
@@ -43,18 +49,24 @@ SPHERICAL_HELD = Kind(
     fields=(
         NODES,
         friction_fields(radius("radius", "radius of the ball")),
+        RELEASE,
     ),
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
     optional=(("friction", BALL_FRICTION, ""),),
     parts=parts_held,
-    observe=observe_held,
-    variant=lambda d: SPHERICAL_HELD if d["friction"] else SPHERICAL,
-    check=lambda d, nodes: check_one_place(d, nodes) + check_friction(d),
-    holds=lambda d: ("along_1", "along_2", "along_axis"),
-    cases=({}, *({"friction": {"coefficient": FALLING, "regularization": u, "radius": 0.3}} for u in (0.2, 50.0))),
+    observe=_held(6),
+    variant=lambda d: RELEASED if d["release"] else SPHERICAL_HELD if d["friction"] else SPHERICAL,
+    check=lambda d, nodes: check_one_place(d, nodes) + check_friction(d) + check_release(d, ("friction",)),
+    holds=lambda d: () if d["release"] else ("along_1", "along_2", "along_axis"),
+    cases=(
+        {},
+        SAMPLE,
+        *({"friction": {"coefficient": FALLING, "regularization": u, "radius": 0.3}} for u in (0.2, 50.0)),
+    ),
 )  # fmt: skip
 
 SPHERICAL = replace(
     SPHERICAL_HELD, name="spherical", shares=one_position, parts=nothing, observe=observe, hidden={"force": ""},
     revealed=SPHERICAL_HELD,
 )  # fmt: skip
+RELEASED = releasable(SPHERICAL_HELD, observe=_held(7))

@@ -33,6 +33,7 @@ from mecano.constraints.joint_nodes import NODES, check_one_place, check_perpend
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW, law_part
 from mecano.constraints.pair import (
+    FIRST_ROW,
     PAIR_RECORD,
     compliance_field,
     held,
@@ -42,6 +43,8 @@ from mecano.constraints.pair import (
     pair_record,
 )
 from mecano.constraints.pin_friction import PIN_FRICTION
+from mecano.constraints.release import FIRST_ROW as FIRST_RELEASED
+from mecano.constraints.release import RELEASE, SAMPLE, check_release, releasable
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, Part, named, record
@@ -80,12 +83,17 @@ def observe(p, at, F, y, e):
     y[7] = number(at.q[12])
 
 
-@kernel
-def observe_with_friction(p, at, F, y, e):
-    """Write both angles and the reactions, if three multipliers hold the position."""
-    y[0], y[1], y[2], y[3] = _angles(p, at)
-    put(y, 4, vec(at.q, 13))
-    y[7] = number(at.q[12])
+def _held(first):
+    """Return ``observe`` if multipliers, from the local index ``first`` on, hold the cross and the position."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write both angles and the reactions."""
+        y[0], y[1], y[2], y[3] = _angles(p, at)
+        put(y, 4, vec(at.q, first + 1))
+        y[7] = number(at.q[first])
+
+    return observe
 
 
 @kernel
@@ -163,9 +171,11 @@ def parts_elastic(d, nodes, context):
 def check(d, nodes):
     """Check that the nodes coincide initially, that the pins are perpendicular, and that set points have laws."""
     set_points = [text for end in "ab" for text in check_set_point(d, f"turning_law_{end}", f"natural_angle_{end}")]
-    return check_one_place(d, nodes) + check_friction(d) + check_perpendicular(d, "axis_a", "axis_b") + set_points
+    pins = check_perpendicular(d, "axis_a", "axis_b")
+    return check_one_place(d, nodes) + check_friction(d) + pins + set_points + check_release(d, OPTIONS)
 
 
+OPTIONS = ("turning_law_a", "turning_law_b", "friction", "compliance")  # which exclude a release
 PINS = {"axis_a": (0.6, 0.0, 0.8), "axis_b": (-0.8, 1.0, 0.6)}  # of samples, as the others
 RADII = {"radius_a": 0.3, "radius_b": 0.2}
 PINS_SPRUNG = {**PINS, "turning_law_a": SPRUNG, "turning_law_b": SPRUNG, "natural_angle_b": 0.3}
@@ -194,6 +204,7 @@ UNIVERSAL_RUBBING = Kind(
             replace(LENGTH, doc=PIN_LENGTH),
         ),
         compliance_field((CROSS, *ELASTIC[1:])),
+        RELEASE,
     ),
     outputs=(
         *angle_outputs("rotation of the cross about axis_a since the start, over any number of turns", "_a"),
@@ -208,10 +219,11 @@ UNIVERSAL_RUBBING = Kind(
     ),
     memory=("angle_a", "angle_b"),
     parts=parts_with_friction,
-    observe=observe_with_friction,
-    variant=lambda d: UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL,
+    observe=_held(FIRST_ROW),
+    variant=lambda d: next((kind for name, kind in VARIANTS.items() if d[name]), UNIVERSAL),
     cases=(
         PINS,
+        {**PINS, **SAMPLE},
         {**PINS_SPRUNG, "friction": {**RUBBING, **RADII}},
         {**PINS, "friction": {**STICKING, **RADII}},
         {**PINS_SPRUNG, "natural_angle_b": "command"},
@@ -229,3 +241,8 @@ UNIVERSAL = replace(
     UNIVERSAL_RUBBING, name="universal", shares=one_position, parts=parts, observe=observe, hidden={"force": ""},
     revealed=UNIVERSAL_RUBBING,
 )  # fmt: skip
+VARIANTS = {
+    "release": releasable(UNIVERSAL_RUBBING, observe=_held(FIRST_RELEASED)), "compliance": UNIVERSAL_ELASTIC,
+    "friction": UNIVERSAL_RUBBING,
+}  # fmt: skip
+"""The kinds for the options of the deck, of which the first one given counts."""
