@@ -400,31 +400,6 @@ def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
     assert "laws of this element without jumps" in said
 
 
-def test_a_rod_that_can_neither_slide_on_nor_part_needs_elasticity(tmp_path):
-    """With friction beyond 4/3 a thin rod dragged along the floor may have no acceleration (Painleve 1895)."""
-    rod = """
-    mecano: 1
-    gravity: [0, 0, -9.81]
-    parameters: {lean: 0.6}
-    nodes:
-      middle: {position: [0.5*sin($lean), 0, 0.5*cos($lean)], orientation: [0, $lean, 0]}
-      foot: {position: [0, 0, 0]}
-    elements:
-      rod: {type: rigid_body, node: middle, mass: 1, inertia: [1/12, 1/12, 0.001], attached: [foot]}
-      floor: {type: contact, nodes: [ground, foot], plane: {normal: [0, 0, 1], point: [0, 0, 0]},
-              friction: {coefficient: 2.5, regularization: 1 mm/s}}
-    initial: {velocities: [{nodes: all, velocity: [-3, 0, 0]}]}
-    time: {end: 0.01, step: 0.1 ms}
-    """
-    with pytest.raises(ConvergenceError, match="time does not advance") as error:
-        dynamic.run(deck(rod), tmp_path / "rigid.h5")
-    assert "(Painleve)" in str(error.value)
-    elastic = "{type: contact, law: {polynomial: [0, 1e6]}, damping: 1, "
-    dynamic.run(deck(rod.replace("{type: contact, ", elastic)), tmp_path / "elastic.h5")
-    with mecano.open_results(tmp_path / "elastic.h5") as results:
-        assert results.status == "complete" and len(results["floor.gap"].values) > 100
-
-
 SHORT_ROCKER = """
     mecano: 1
     gravity: none

@@ -429,6 +429,38 @@ def test_impacts_that_run_to_and_fro_between_balls_end():
     assert (energy - np.minimum.accumulate(energy)).max() < 1e-4 * energy[0]
 
 
+def test_a_rod_that_painleves_paradox_stops(verify):
+    """Friction of 2 would press the tip of a rod, which slides at 1 rad, into the floor: no force has an acceleration.
+
+    The tip stops at once. The angular momentum about it stays, m v h = (I + m l^2) omega with h = l sin 1.
+    """
+    mass, inertia, half, angle, v = 1.0, 1 / 12, 0.5, 1.0, 3.0
+    height = half * math.sin(angle)
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes:
+          rod: {{position: [0, 0, {height}], orientation: [0, {-angle}, 0]}}
+          tip: {{position: [{-half * math.cos(angle)}, 0, 0]}}
+        elements:
+          rod: {{type: rigid_body, node: rod, mass: {mass}, inertia: [1e-3, {inertia}, {inertia}], attached: [tip]}}
+          tip:
+            {{type: contact, nodes: [ground, tip], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}},
+             friction: {{coefficient: 2, regularization: 0.1 mm/s}}}}
+        joints: {{plane: {{type: planar, nodes: [ground, rod], axis: [0, 1, 0]}}}}
+        initial: {{velocities: [{{nodes: all, velocity: [{-v}, 0, 0]}}]}}
+        time: {{end: 0.2, step: 1 ms}}
+    """)
+    )
+    (shock,) = [event for event in run.event_records if event.impulse]
+    omega = mass * v * height / (inertia + mass * half**2)
+    lost = 0.5 * mass * v**2 - 0.5 * (inertia + mass * half**2) * omega**2
+    verify(S, "Painlevé's rod: energy lost as its tip stops [J]", shock.lost, lost, "angular momentum", relative=1e-9)
+    assert shock.impulse == pytest.approx(mass * omega * half * math.cos(angle), rel=1e-9)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * lost
+
+
 def test_friction_presses_what_would_part_without_it():
     """A belt carries a puck uphill against a stop: the impact closes it for good, though gravity pulls it away."""
     run = RecordedRun(deck(BELT.replace("FRICTION", "{coefficient: 0.8, regularization: 1.0e-3}")))

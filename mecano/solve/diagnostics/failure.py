@@ -236,6 +236,5 @@ def standstill(event: EventRecord, count: int, t: float) -> ConvergenceError:
         "what to try: a smaller time.step, if it has much damping; laws of this element without jumps; two levels of a "
         "switch; some damping at its stops; nodes a little farther from the boundary between two of its phases; for a "
         "wheel that cannot slip, a flexible one: without slip it may be able neither to stay on the ground nor to "
-        "leave it; for a rigid contact that slides with much friction, a law in it: rigid bodies may be able neither "
-        "to slide on nor to part (Painleve)"
+        "leave it; for a rigid contact that slides with much friction, a law in it"
     ).about([event.element])

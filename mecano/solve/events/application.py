@@ -22,6 +22,7 @@ Applied: TypeAlias = "tuple[RunState, State, list[EventRecord], Consistent | Non
 """Run with the energy of shocks, state after the events, their records, what is factored there"""
 STANDSTILL = 1e-3  # of a step: a smaller advance of time counts as none
 MOST_REBOUNDS = 10  # of one contact at one instant, after which it is at rest
+MOST_IDLE = 5  # closings of one contact without impulse at one instant, after which an impact stops its sliding
 MOST_AT_ONCE = 20  # occurrences of one event of one element at one instant
 MOST_NAMES = 8  # named in a warning
 
@@ -38,6 +39,7 @@ class EventApplication:
     warnings: list[str] = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
+    idle: Counter = field(default_factory=Counter)  # closings without impulse since then, by element
     neglecting: set[str] = field(default_factory=set)  # joints, by title, whose friction a shock has neglected
     instants: int = 0  # at which events were applied, since the program started
     happened: Counter = field(default_factory=Counter)  # the events at these instants, by element
@@ -119,8 +121,10 @@ class EventApplication:
         if t - self.since > STANDSTILL * run.h:
             self.since = t
             self.repeats.clear()
+            self.idle.clear()
         once = {(event.element, event.name): event for event in event_records}  # of parts only once
         self.repeats.update(once.keys())
+        self.idle.update(event.element for event in once.values() if event.unit and not event.impulse)
         often = [event for key, event in once.items() if self.repeats[key] > MOST_AT_ONCE]
         most = max((self.repeats[key] for key in once), default=0)
         if often and (most > 2 * MOST_AT_ONCE or not self.capture.begin(hit, run)):
@@ -131,17 +135,19 @@ class EventApplication:
         self.shocks.suppress_rebound(
             {element for (element, _), count in self.repeats.items() if count >= MOST_REBOUNDS}
         )
+        self.shocks.jammed = {element for element, count in self.idle.items() if count >= MOST_IDLE}
 
     def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers and lists from which ``from_plain`` continues."""
         repeats = [[*key, count] for key, count in self.repeats.items()]
-        return {"since": self.since, "repeats": repeats, "neglecting": sorted(self.neglecting)}
+        own = {"since": self.since, "repeats": repeats, "idle": dict(self.idle)}
+        return {**own, "neglecting": sorted(self.neglecting)}
 
     def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue from the result of ``to_plain``."""
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["repeats"]})
-        self.neglecting = set(plain["neglecting"])
+        self.idle, self.neglecting = Counter(plain["idle"]), set(plain["neglecting"])
         self._suppress_rebound()
 
 

@@ -85,11 +85,13 @@ def solve_with_friction(
     b: np.ndarray,
     u: np.ndarray,
     contacts: Sequence[RoughContact],
+    start: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the impulses (n,) along the normals and (2 m,) along the surfaces of the m rough ``contacts``.
 
     ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
-    W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses.
+    W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses;
+    ``start`` (2 m,) is the first guess of the impulses along the surfaces.
     Alternates between normals and surfaces (block Gauss-Seidel), at first with Anderson acceleration, then without it,
     and under-relaxed if that does not converge. Raises AssemblyError if the impulses along the surfaces, or the
     velocities, stay undetermined by more than ``ACCEPTED``, or if the impulses grow without limit.
@@ -107,7 +109,7 @@ def solve_with_friction(
             size = np.abs(change).max() / max(largest, TINY) if largest <= most else np.inf
         return size, change, pushes, along
 
-    best = last = sweep(np.zeros(len(u)))
+    best = last = sweep(np.zeros(len(u)) if start is None else start)
     points: list[np.ndarray] = []
     changes: list[np.ndarray] = []
     stride, former = 1.0, np.inf

@@ -134,7 +134,8 @@ class ImpactSolution:
 
         def solved(share):
             target = free + share * self.e * self.before[self.leads]
-            return solve_with_friction(self._solve, self.W[:n, n:], self.W[n:, n:], target, slides, self.rough)
+            start = self._stopping(target, slides)
+            return solve_with_friction(self._solve, self.W[:n, n:], self.W[n:, n:], target, slides, self.rough, start)
 
         def lost(impulses):
             x = np.concatenate(impulses)
@@ -155,6 +156,22 @@ class ImpactSolution:
         share = root(lambda share: lost(solved(share)), 0.0, 1.0) if plastic > 0.0 else 0.0
         impulses, self.e = solved(share), share * self.e
         return impulses
+
+    def _stopping(self, free, slides):
+        """Return impulses along the surfaces (2 m,): at jammed contacts those that stop their sliding, else zero.
+
+        The impact problem of a contact that slides and does not approach has the solution zero. Where the friction of
+        a sliding contact would press it into the surface, no accelerations exist (Painleve), and the other solution
+        holds, an impact without collision (Genot & Brogliato, Eur. J. Mech. A 18, 1999).
+        """
+        names, n, along = {i: c.element for c, i in self.uncoupled.items()}, len(free), np.zeros(len(slides))
+        jammed = [i for i, contact in enumerate(self.rough) if names[contact.contact] in self.shocks.jammed]
+        if jammed:
+            of = np.array([(2 * i, 2 * i + 1) for i in jammed]).ravel()
+            at = np.concatenate([[self.rough[i].contact for i in jammed], n + of])
+            rates = np.concatenate([free, slides])[at]
+            along[of] = -np.linalg.lstsq(self.W[np.ix_(at, at)], rates, rcond=None)[0][len(jammed) :]
+        return along
 
     def _add_friction_losses(self, along):
         """Set ``friction_losses`` (n_l,) [J], by normals: energies that the impulses ``along`` surfaces dissipate."""

@@ -40,7 +40,8 @@ def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarr
 class Shocks:
     """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s].
 
-    ``least`` (n_l,) are these speeds without those contacts whose rebound is suppressed at any speed.
+    ``least`` (n_l,) are these speeds without those contacts whose rebound is suppressed at any speed. ``jammed`` are
+    the elements of contacts at which friction leaves no acceleration: their impact stops the sliding.
     """
 
     def __init__(self, system: "System", method: "Method", monitor: EventMonitor, rest: float):
@@ -49,7 +50,7 @@ class Shocks:
         self.least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
         self.rest, self.close = self.least, CLOSE * scale
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
-        self.impact_candidates = ImpactCandidates(system)
+        self.impact_candidates, self.jammed = ImpactCandidates(system), set[str]()
         self.touching = self.impact_candidates.touching(self.near)
 
     def suppress_rebound(self, elements: Set[str]) -> None:
