@@ -4,13 +4,13 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import field as value_of
-from types import SimpleNamespace
 from typing import TypeAlias
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.element_interface import Context, Kind, Place
+from mecano.element_interface.records import with_attributes
 from mecano.elements import KINDS
 from mecano.jit.null_matrix import NULL_MATRIX, NullMatrix
 from mecano.laws.law_table import LawTable
@@ -109,7 +109,7 @@ class Instance:
         """Call the function ``name`` of the kind as plain Python, without compilation."""
         with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
             at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)  # type: ignore[arg-type]  # or Duals
-            getattr(self.kind, name)(_with_attributes(self.p[0]), at, *out)
+            getattr(self.kind, name)(with_attributes(self.p[0]), at, *out)
 
     @property
     def is_idle(self) -> bool:
@@ -209,13 +209,6 @@ class Instance:
         out = np.zeros(size)
         self.run(name, t, state, out)
         return out
-
-
-def _with_attributes(record):
-    """Return the fields of a record as attributes, which is faster than a recarray."""
-    values = {name: record[name] for name in record.dtype.names}
-    nested = {name: _with_attributes(x) for name, x in values.items() if isinstance(x, np.void)}
-    return SimpleNamespace(**values | nested)
 
 
 @dataclass

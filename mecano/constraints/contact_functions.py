@@ -4,10 +4,13 @@ Local unknowns: x0, R0, x1, and R1 where the shape on b turns with its node or f
 the multiplier of a rigid contact, held at the gap m[0]. ``shapes`` are Shapes (touching.py).
 """
 
+import math
+
 import numpy as np
 
 from mecano.constraints.augmented_lagrangian import held_from_event, in_phase
 from mecano.constraints.touching import ROUNDING, sliding
+from mecano.constraints.triads import hat, triad
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
@@ -171,10 +174,11 @@ def impact_friction(shapes):
 
     def found(p, at):
         touched = shapes.touch(p, at)
-        gradients = np.zeros((2, TURNING + 1))
-        for gradient, along in zip(gradients, np.linalg.svd([touched.n])[2][1:], strict=True):
-            _add_forces(gradient, at, touched, -vec(along, 0))
-        mu = curve(at.laws, p.coefficient, norm(sliding(touched, at)))
+        along = triad(touched.n)[:2]
+        turning_a, turning_b = along @ hat(touched.a) @ at.R[0], -along @ hat(touched.b) @ at.R[1]
+        gradients = np.hstack([-along, turning_a, along, turning_b, np.zeros((2, 1))])
+        u = gradients[:, :TURNING] @ at.v[:TURNING]
+        mu = curve(at.laws, p.coefficient, math.sqrt(u @ u))
         return max(mu, 0.0), gradients
 
     return found

@@ -1,6 +1,7 @@
 """Records of parameters: structured dtypes, by default those of the deck fields of a kind."""
 
 from collections.abc import Iterable
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -29,6 +30,14 @@ def with_fields(dtype: np.dtype, **fields: Shape) -> np.dtype:
     """
     parts = [(name, of.fields[name][0]) for of in (record(**fields), dtype) for name in of.names or () if of.fields]
     return np.dtype(parts, align=True)
+
+
+def with_attributes(p: np.void) -> SimpleNamespace:
+    """Return the fields of a record as attributes, which is faster than a recarray."""
+    values = {name: p[name] for name in p.dtype.names or ()}
+    return SimpleNamespace(
+        **values | {name: with_attributes(x) for name, x in values.items() if isinstance(x, np.void)}
+    )
 
 
 def recorded(fields: "Iterable[Field]") -> dict[str, Shape]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.element_interface import Place
+from mecano.element_interface.records import with_attributes
 from mecano.errors import AssemblyError, Failure
 from mecano.immutable import immutable
 from mecano.solve.linear.rounding import TINY
@@ -60,7 +61,7 @@ class RubbingParts:
 
     def __init__(self, system: "System"):
         batches = [batch for batch in system.batches if batch.kind.impact_friction is not None]
-        places = [(batch, e) for batch in batches for e in range(len(batch.p))]
+        places = [(batch, e, with_attributes(p)) for batch in batches for e, p in enumerate(batch.p)]
         leads = [batch.dofs[:, batch.kind.first_reaction] - system.n_q for batch in batches]
         self.by_lead = dict(
             zip(np.concatenate([*leads, np.zeros(0, np.int64)]).tolist(), enumerate(places), strict=True)
@@ -70,10 +71,10 @@ class RubbingParts:
 def rough_contacts(system: "System", s: "State", leads: np.ndarray) -> list[RoughContact]:
     """Return the RoughContacts among contacts with the multipliers ``leads`` (n,), at the state before the impact."""
     by_lead, found, contacts = system.kept(RubbingParts).by_lead, [], {lead: i for i, lead in enumerate(leads.tolist())}
-    for _, (batch, e), contact in sorted((*by_lead[lead], i) for lead, i in contacts.items() if lead in by_lead):
+    for _, (batch, e, p), contact in sorted((*by_lead[lead], i) for lead, i in contacts.items() if lead in by_lead):
         dofs = batch.dofs[e]
         at = Place(s.t, 0, 1.0, 0.0, system.laws, np.zeros(0), s.z[dofs], s.v[dofs], s.a[dofs], s.R[batch.rots[e]])
-        mu, gradients = batch.kind.impact_friction(batch.p.view(np.recarray)[e], at)
+        mu, gradients = batch.kind.impact_friction(p, at)
         found.append(RoughContact(contact, mu, dofs, gradients))
     return found
 
