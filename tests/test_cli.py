@@ -181,7 +181,9 @@ class TestRun:
     @pytest.mark.parametrize(("deck", "most"), [("pendulum", 274), ("four_bar", 275), ("two_bodies", 258)])
     def test_a_short_run_imports_few_modules(self, folder, deck, most):
         """Their import takes most of the processor time of a short run: at most 3 % more of mecano's than now."""
-        loaded = loaded_by("run", INPUTS / f"{deck}.yaml", "-q", "-o", "short.h5", "--set", "time.end=0.01")
+        words = "run", INPUTS / f"{deck}.yaml", "-q", "--force", "-o", "short.h5", "--set", "time.end=0.01"
+        loaded = loaded_by(*words)
+        loaded = loaded_by(*words) if "mecano.jit.compiler" in loaded else loaded  # the first has compiled
         assert not {"scipy", "numpy.ma", "secrets"} & loaded
         assert sum(name.startswith("mecano") for name in loaded) <= most
 
