@@ -105,7 +105,7 @@ def _reduced(file):
 def _opposite(d, flipped):
     """The values with the coordinates ``flipped`` of the other sign: their laws, set points and matrices."""
     out = dict(d)
-    for group in ("compliance", "laws", "driven", "natural", "thermal"):
+    for group in ("compliance", "laws", "driven", "driven_rates", "natural", "thermal"):
         if d.get(group):
             out[group] = {axis: _other_way(v) if axis in flipped else v for axis, v in d[group].items()}
     for name, coordinate in (("natural_angle", "angle"), ("value", "value")):

@@ -83,7 +83,7 @@ def friction_field(backward, speed, doc):
 
 FRICTION = friction_field(
     "from gear b to a, from the rack to the pinion, or from the thrust to the turning of a screw",
-    regularization("speed of the pitch circle, the mean of both parts,"),
+    regularization("speed of the pitch circle, or along the axis of a screw, the mean of both parts,"),
     "friction proportional to the force of the teeth or the thread",
 )
 

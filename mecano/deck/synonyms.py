@@ -10,7 +10,7 @@ motion, imposed motion, prescribed motion, imposed displacement -> prescribed_an
     'driven'
 inverse dynamics, inverse kinematics, leg -> prescribed_position prescribed_angle prescribed_length | prescribe the
     motion and read the reactions; drive legs by tables of their lengths, with interpolation: spline
-linear actuator, hydraulic cylinder, jack, ram -> line_force joint_force prescribed_length bar | a bar whose
+linear actuator, hydraulic cylinder, piston, jack, ram -> line_force joint_force prescribed_length bar | a bar whose
     natural_length is a law of time pushes and pulls with an elasticity
 pulley, sheave, block, tackle, reeving -> reeved_cable belt | a reeved_cable slides over the pulleys, with or without
     friction; a belt turns them
@@ -30,7 +30,7 @@ synchronisation, synchronization, synchronisation cable, synchronization cable, 
 non circular gear, noncircular gear, elliptical gear, transmission function, position function, indexing, indexing
     drive, function generator -> nonlinear_coupler | one coordinate of a joint as a function of that of another one
 rack, pinion -> rack_and_pinion
-gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear -> gear_pair rack_and_pinion
+gear, gear train, gear wheel, planetary, planetary gear, epicyclic, sun gear, ring gear -> gear_pair rack_and_pinion
 cvt, variator, continuously variable, variable ratio -> coupler | a coupler with a 'ratio', a law of time or a signal
 oldham, oldham coupling -> prismatic hinge | two prismatic joints across one another, and a disc between them, join
     shafts on hinges
@@ -130,6 +130,16 @@ steering, steering rack, rack and pinion steering -> prismatic rack_and_pinion r
 toe, camber, kinematics and compliance -> rigid_rod hinge signals | they follow from the points of the suspension; a
     signal computes them
 leaf spring -> beam spring_damper
+elastic foundation, foundation, winkler -> spring_damper bushing repeat | one from each node of a member to a fixed node
+buoyancy -> force drag | a force that is a formula of the depth of its node
+timoshenko, euler bernoulli, shear factor, shear coefficient -> beam circle tube rectangle stiffness | a section of the
+    type 'stiffness' takes any GA2 and GA3
+rayleigh damping, proportional damping, structural damping, modal damping -> sections superelement | 'damping' of a
+    section; 'mass_damping' and 'stiffness_damping' of a superelement
+observer, kalman, kalman filter, lqr, pole placement -> state_space | its inputs are the measured outputs; gains follow
+    from the matrices of `mecano response --state-space`
+voltage, electric current, back emf, armature -> integrator joint_moment | a current is an integrator of a formula,
+    without a unit: electric units are not available
 torsion bar -> torsion_spring_damper beam
 spring hinge, damper hinge, spring loaded hinge -> turning_law natural_angle hinge.latch | a hinge with a 'turning_law'
     of spring, damper and dry friction; its 'natural_angle' is the unloaded position
@@ -199,9 +209,9 @@ mecanum, omni wheel, omnidirectional wheel, swedish wheel, holonomic drive, kiwi
     'roller_angle: 45 deg' or '90 deg'; `mecano example mecanum` is a platform on four
 tracked vehicle, crawler, caterpillar, track chain -> belt wheel | not available; wheels that a belt joins turn and skid
     like those of a track
-railway, rail vehicle, train, wheelset, conicity, hunting, creep force -> force moment formula | contact of wheel and
-    rail is not available; linear creep forces are loads that are formulas of the velocities
-variable mass, rocket, propellant -> follower_force | a thrust; bodies whose mass varies are not available
+railway, rail vehicle, train, wheelset, conicity, hunting, creep force, creepage -> force moment formula | contact of
+    wheel and rail is not available; linear creep forces are loads that are formulas of the velocities
+variable mass, rocket, propellant, propeller -> follower_force | a thrust; bodies whose mass varies are not available
 box contact, polyhedron, stacked boxes -> contact | corners are balls of radius 0 that touch planes of other bodies;
     edges that touch are not available
 stribeck, stribeck curve, stiction -> hinge.friction contact.friction formula | the 'coefficient' of friction may be a
@@ -280,8 +290,8 @@ frequency response, transfer function of a mechanism, transmissibility, receptan
 gain margin, phase margin, delay margin, stability margin, loop transfer function, open loop, nyquist, nyquist plot,
     sensitivity, loop gain, crossover -> signals pid delay | `mecano margins` opens a loop at a signal (docs/margins.md)
 noise, stochastic -> random
-sensor, probe, request, measure -> output formula | all outputs of all elements are in the results; `mecano post --plot`
-    draws them
+sensor, probe, request, measure, encoder -> output formula | all outputs of all elements are in the results; `mecano
+    post --plot` draws them
 controller, feedback, control, pd, regulator -> pid formula signals joint_moment joint_force
 lookup table, characteristic, map, command profile, nonlinear gain -> curve table | a curve is a signal: a law of its
     input, which may be the time
@@ -292,8 +302,8 @@ input shaping, input shaper, zero vibration, command shaping -> delay formula st
     is a list of two steps
 robot, robot arm, manipulator, serial robot -> hinge joint_moment pid sample_and_hold grip | links on hinges with a
     joint_moment each; prescribed_angle for inverse dynamics; `mecano new --list`
-stress, stresses, von mises, bending stress -> beam bar | outputs of beams and bars with a section; `mecano post` draws
-    them, a page colours them
+stress, stresses, von mises, bending stress, strain gauge -> beam bar | outputs of beams and bars with a section;
+    `mecano post` draws them, a page colours them
 work, work done, consumed energy, electric energy -> integrator | of NAME.given_power of a load, a motor or a driven
     joint; energy.given sums all of them
 spectrum, psd, power spectral density, fft, fourier -> | `mecano post` with --spectrum or --density draws that of an
@@ -304,8 +314,8 @@ integral, accumulator -> integrator
 initial conditions, initial condition, initial velocity, start -> initial
 equilibrium, static equilibrium -> static initial
 statics, statics solver, arc length, riks, buckling, snap through -> static
-momentum, angular momentum, center of mass, centre of mass -> | `mecano momentum deck.yaml results.h5` computes them
-    over a run; no section of a deck is needed
+momentum, angular momentum, center of mass, centre of mass, center of gravity, centre of gravity -> | `mecano momentum
+    deck.yaml results.h5` computes them over a run; no section of a deck is needed
 results, result, sampling, save -> output | `mecano info`, `mecano post` and `mecano export` read the results
 dissipation, power loss, losses, energy, energy balance -> output | the results contain energy.dissipated, energy.given,
     energy.balance; of one element, an integrator of its given_power or dissipated_power
