@@ -195,12 +195,13 @@ def _length(name, doc):
 SHAPES = {
     shape.name: shape
     for shape in (
-        Shape("circle", "Solid round section.", (_length("diameter", "diameter"), *MATERIAL, *DAMPING),
+        Shape("circle", "Solid round section; shear factor 6 (1 + nu)/(7 + 6 nu), Cowper (1966).",
+              (_length("diameter", "diameter"), *MATERIAL, *DAMPING),
               lambda d: _annulus(d, 0.0), material_check),
-        Shape("tube", "Hollow round section.",
+        Shape("tube", "Hollow round section; shear factor of Cowper (1966), near 1/2 if the wall is thin.",
               (_length("diameter", "outer diameter"), _length("thickness", "wall thickness"), *MATERIAL, *DAMPING),
               lambda d: _annulus(d, 0.5 * d["diameter"] - d["thickness"]), check_tube),
-        Shape("rectangle", "Solid rectangle.",
+        Shape("rectangle", "Solid rectangle; shear factor 10 (1 + nu)/(12 + 11 nu), Cowper (1966).",
               (_length("width", "width, along axis 2"), _length("height", "height, along axis 3"), *MATERIAL, *DAMPING),
               rectangle, material_check),
         Shape("stiffness", "Section given by its principal stiffnesses; mass centre and shear centre on the node.",
