@@ -63,9 +63,9 @@ FILMS = (
     "landing_roll", "main_gear", "mecanum", "motorcycle", "moving_load", "n_four_bar", "nose_gear_rigid",
     "nose_landing_gear", "panel_lock", "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack", "reflector",
     "release", "rocking_block", "rods", "rolling_disc", "rope_brake", "satellite_slew", "ship_deck", "sleigh",
-    "slider_crank", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut", "superelement_arm",
-    "synchronised_panels", "thruster", "trailing_wheel_bump", "trebuchet", "twin_wheel_gear", "tyre_drum", "wheel_drop",
-    "winder", "woodpecker", "yo_yo_despin",
+    "slider_crank", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut",
+    "superelement_arm", "synchronised_panels", "thruster", "tippe_top", "trailing_wheel_bump", "trebuchet",
+    "twin_wheel_gear", "tyre_drum", "wheel_drop", "winder", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
 FILM_SIZE, FILM_STEP, FILM_QUALITY = (280, 225), 4, 40  # pixels, at most; every fourth frame
