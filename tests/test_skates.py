@@ -1,7 +1,8 @@
-"""Vehicles on skates, which do not slip: a skateboard that steers by leaning, a caster on a spring."""
+"""Vehicles on skates, which do not slip: a skateboard that steers by leaning, a caster on a spring, a snakeboard."""
 
 import numpy as np
 import pytest
+from convergence import pair
 from scipy.integrate import solve_ivp
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck
@@ -145,3 +146,28 @@ def test_a_caster_on_a_spring_shimmies_between_two_speeds(tmp_path, verify):
     assert begins.destabilizes and not ends.destabilizes
     found = [begins.place, ends.place]
     verify("Shimmy", "caster on a spring: critical speeds [m/s]", found, expected, "criterion of Routh", relative=1e-9)
+
+
+def snakeboard_rates(t, y):
+    """Rates of x, y, heading, speed u of inputs/snakeboard.yaml: d'Alembert's principle for the motion at u alone."""
+    mass, inertia, rotor = 5.002, 0.3 + 0.2 + 2 * 0.01 + 0.002 * 0.25**2, 0.2
+    phi, phi_rate, rotor_acceleration = 0.4 * np.sin(4 * t), 1.6 * np.cos(4 * t), -11.2 * np.sin(4 * t)
+    T, T_rate = np.tan(phi) / 0.25, phi_rate / np.cos(phi) ** 2 / 0.25
+    _, _, heading, u = y
+    u_rate = -T * (inertia * u * T_rate + rotor * rotor_acceleration) / (mass + inertia * T**2)
+    return [u * np.cos(heading), u * np.sin(heading), u * T, u_rate]
+
+
+def test_a_snakeboard_starts_by_itself(verify):
+    """Its rider turns and steers both axles in time with it (Ostrowski, Lewis, Murray & Burdick 1994)."""
+    at = np.arange(1.0, 6.5)
+    found = solve_ivp(snakeboard_rates, (0, 6), np.zeros(4), rtol=1e-11, atol=1e-13, t_eval=at)
+    np.testing.assert_allclose(found.y[:, -1], [5.298760, 0.299627, -0.342250, 1.853450], atol=1e-6)  # of the deck
+
+    def motion(run):
+        velocity = run["nodes/board/velocity"]
+        return np.column_stack([run["nodes/board/position"][:, :2], np.hypot(*velocity[:, :2].T)])
+
+    coarse, fine = pair("snakeboard", motion, at, 8e-3)
+    exact = np.array([found.y[0], found.y[1], np.abs(found.y[3])]).T
+    verify.second_order("Rolling", "snakeboard: path [m] and speed [m/s]", coarse, fine, exact, 2e-6, "SciPy")

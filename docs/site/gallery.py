@@ -47,6 +47,7 @@ PLOTS = {
     "nose_wheel_steering": "command.value,steering.angle,piston.value",
     "oleo_drop": "strut.compression_force:strut.stroke",
     "separation": "stage.velocity.z,payload.velocity.z",
+    "snakeboard": "nodes.board.velocity.x",
     "snap_through": "static.load_factor",
     "step_slip": "*.lateral_force",
     "step_steer": "*.lateral_force",
@@ -63,7 +64,7 @@ FILMS = (
     "landing_roll", "main_gear", "mecanum", "motorcycle", "moving_load", "n_four_bar", "nose_gear_rigid",
     "nose_landing_gear", "panel_lock", "panel_release", "paper_disc", "pendulum", "pendulum_stop", "rack", "reflector",
     "release", "rocking_block", "rods", "rolling_disc", "rope_brake", "satellite_slew", "ship_deck", "sleigh",
-    "slider_crank", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut",
+    "slider_crank", "snakeboard", "snap_pin", "solar_array", "spherical_pendulum", "stewart", "strut",
     "superelement_arm", "synchronised_panels", "thruster", "tippe_top", "trailing_wheel_bump", "trebuchet",
     "twin_wheel_gear", "tyre_drum", "wheel_drop", "winder", "woodpecker", "yo_yo_despin",
 )  # fmt: skip
