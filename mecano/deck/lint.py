@@ -11,7 +11,6 @@ from collections.abc import Container, Mapping
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import singular
-from mecano.deck.large_frictions import large_frictions
 from mecano.deck.rare_checks import rare_warnings
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.without_effect import without_effect
@@ -59,7 +58,7 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values),
         *_tires(values["tire_laws"]), *without_effect(values, kinds),
-        *large_frictions(values), *unsampled(values, kinds), *_partly_moving(values, kinds),
+        *unsampled(values, kinds), *_partly_moving(values, kinds),
         *rare_warnings(values, kinds),
     ]  # fmt: skip
     unused = [] if varied else _unused(root, used)

@@ -47,6 +47,10 @@ def _has_wheels(values, kinds):
     return any("wheels" in kinds[d["type"]].display.pictures for d in values["elements"].values())
 
 
+def _has_friction(values, kinds):
+    return bool(values["tire_laws"]) or any(d.get("friction") for d in values["joints"].values())
+
+
 def _prescribes_corners(values, kinds):
     """Return whether laws of prescribed motions have breakpoints, or are tables."""
     joints = values["joints"].values()
@@ -76,6 +80,7 @@ CHECKS = (
     Check("idle_axes", "idle_racks", _any("joints", lambda d: {"direction", "radius"} <= d.keys())),
     Check("jumping_motions", "jumping_motions", _prescribes_corners),
     Check("misplaced_bodies", "misplaced_bodies", _has_distant_bodies, False),
+    Check("large_frictions", "large_frictions", _has_friction, False),
     Check("orbits", "orbits", _any("loads", lambda d: d["type"] == "gravity_gradient"), False),
     Check("delayed_inputs", "delayed_inputs", _any("signals", lambda d: d["type"] == "delay"), False),
 )
