@@ -143,6 +143,7 @@ def test_parameters_are_numbers_in_formulas():
         ("2*$q", "unknown parameter 'q'", "k, minus"),
         ("{type: lag, input: rail.displacement, time_constant: -1}", "greater than zero", ""),
         ("{type: formula, value: 1, unit: Nn}", "'unit': 'Nn' is not a unit", ""),
+        ("{type: formula, value: 1, unit: 1 N}", "'unit': '1 N' is not a unit", ""),
         ("{type: lagg, input: rail.displacement}", "unknown type 'lagg'", "'lag'"),
         ("{type: pid, input: 1, derivative: 2}", "'derivative_time'", ""),
         ("{type: transfer_function, input: 1, numerator: [1, 2, 3], denominator: [1, 2]}", "'numerator'", ""),

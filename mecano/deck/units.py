@@ -198,6 +198,8 @@ def parsed(unit: str) -> tuple[float, Powers] | None:
     product, *divisors = [part.strip() for part in unit.replace("·", " ").replace("*", " ").split("/")]
     factors = [(factor, 1) for factor in product.split()] + [(factor, -1) for factor in divisors]
     value, powers = 1.0, NONE
+    if ("1", 1) in factors and product != "1":  # 1/s is a unit, 1 mm a quantity
+        return None
     for factor, sign in factors:
         match = FACTOR.fullmatch(factor)
         known = _simple(match[1]) if match else None

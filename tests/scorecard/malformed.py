@@ -101,7 +101,7 @@ def check(name, rng, through, folder):
 
 def judged(outcome):
     """Why a deck was not checked as it should be; empty where it was read, or refused with a place."""
-    if why := unfit(outcome, (0, 2, 4)):
+    if why := unfit(outcome, (0, 2, 4, 6)):
         return why
     if outcome.code == 2:
         return unplaced(outcome)

@@ -236,7 +236,8 @@ def _refuse_undetermined(equations, s):
         raise _error([names[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
     if not np.all(known):
         name = names[own[np.argmin(known)]]
-        raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite").about([name.place])
+        remedy = "what to try: keep divisors away from zero, as in y/max(x, 1e-3); are velocities missing in 'initial'?"
+        raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite\n{remedy}").about([name.place])
     return reads_rates
 
 
