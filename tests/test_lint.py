@@ -1,5 +1,7 @@
 """Warnings about legal but suspicious decks and models, with line and column; none about proper decks."""
 
+from textwrap import dedent
+
 import pytest
 from process import flowing
 from time_runs import INPUTS, deck, input_deck
@@ -101,23 +103,23 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
         ("late: 3 kg", "min(time, $late)", "adds or compares s and kg", "SI"),
     ],
 )  # fmt: skip
-def test_units_of_parameters_in_formulas(parameters, value, said, unit):
-    """They are those of the quantities in whose place they stand."""
-    found = prepare(
-        deck(f"""
-        mecano: 1
-        gravity: none
-        parameters: {{{parameters}}}
-        nodes: {{bob: {{position: [0, 0, 0]}}}}
-        elements: {{bob: {{type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}}}
-        joints: {{pin: {{type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}}}
-        signals: {{found: "{value}"}}
-        time: {{end: 1, step: 0.1}}
-        """)
-    )
+@pytest.mark.parametrize("copied", [False, True])
+def test_units_of_parameters_in_formulas(parameters, value, said, unit, copied):
+    """They are those of the quantities in whose place they stand, also in the copy of a template."""
+    model = f"""
+            parameters: {{{parameters}}}
+            nodes: {{bob: {{position: [0, 0, 0]}}}}
+            elements: {{bob: {{type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}}}
+            joints: {{pin: {{type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}}}
+            signals: {{found: "{value}"}}
+        """
+    part = ", ".join(model.split("\n")[1:-1])
+    placed = f"templates: {{part: {{{part}}}}}\nplace: {{my: {{template: part}}}}\nnodes: {{}}"
+    head = "mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n"
+    found = prepare(deck(head + (placed if copied else dedent(model))))
     texts = [text for text in warnings_of(found) if "is not used" not in text]
     assert len(texts) == bool(said) and all(said in text for text in texts), texts
-    assert found.system.signal_units["signals/found/value"] == unit
+    assert found.system.signal_units[f"signals/{'my_' if copied else ''}found/value"] == unit
 
 
 def test_units_of_parameters_in_conditions():

@@ -49,6 +49,16 @@ class Node:
         return self.source.mark(self.line, self.column)
 
 
+class CopiedFormula(Node):
+    """A formula with values of parameters written into it, whose i-th operands have ``units`` {i: SI unit}."""
+
+    __slots__ = ("units",)
+
+    def __init__(self, node: Node, value: str, units: dict[int, str]):
+        super().__init__(value, node.source, node.line, node.column, node.raw)
+        self.units = units
+
+
 class Given(Node):
     """The number of the parameter ``text``, "$name", that is ``given`` with a unit."""
 

@@ -6,7 +6,7 @@ names of the template have their prefix.
 """
 
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Mapping
 
 from mecano.deck.expressions import INSERT, WORDS, inner_text, inner_value, insert
 from mecano.deck.parameters import Parameters
@@ -30,9 +30,12 @@ def is_formula(text: str, parameters: Parameters) -> bool:
     return not re.search(QUANTITY, shown) and re.search(OPERAND, shown) is not None
 
 
-def filled_in(text: str, parameters: Parameters) -> str:
-    """Return a formula with the values of ``parameters``, and names with inserts; raises the errors of ``evaluate``."""
-    return INSERT.sub(lambda match: _value(match, text, parameters), text)
+def filled_in(text: str, parameters: Parameters, shown: Callable[[str], str] | None = None) -> str:
+    """Return a formula with the values of ``parameters``, and names with inserts; raises the errors of ``evaluate``.
+
+    ``shown(name)`` is the text in place of the value of a parameter.
+    """
+    return INSERT.sub(lambda match: _value(match, text, parameters, shown), text)
 
 
 def with_prefix(text: str, prefix: str, own: Mapping[str, Container[str]]) -> str:
@@ -45,7 +48,7 @@ def is_own(name: str, own: Mapping[str, Container[str]]) -> bool:
     return any(name in own.get(section, ()) for section in (*SECTIONS, "nodes", "laws"))
 
 
-def _value(match, text, parameters):
+def _value(match, text, parameters, shown):
     before, after = text[: match.start()][-1:], text[match.end() :][:1]
     begins = before == "(" or not re.match(JOINED, before)
     word = parameters.word(inner_text(match))
@@ -54,6 +57,8 @@ def _value(match, text, parameters):
     if not begins or (after != ")" and re.match(JOINED, after)):
         return insert(match, parameters)
     value = inner_value(match, parameters)
+    if shown and match[2]:
+        return shown(match[2])
     number = str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
     return f"({number})" if value < 0.0 else number
 

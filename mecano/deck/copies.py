@@ -16,10 +16,11 @@ from contextlib import contextmanager
 from dataclasses import field, replace
 from typing import TypeAlias
 
-from mecano.deck.compose import Given, Node, Pair
+from mecano.deck.compose import CopiedFormula, Given, Node, Pair
 from mecano.deck.containers import singular
 from mecano.deck.copied_formulas import filled_in, is_formula
 from mecano.deck.expressions import ExpressionError, check_inserts, has_inserts, inserted, mentions
+from mecano.deck.formulas import has_units
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
@@ -198,8 +199,7 @@ class Copies:
         try:
             check_inserts(text)
             if is_formula(text, scope.parameters):
-                node.value = filled_in(text, scope.parameters)
-                return node
+                return self._formula(node)
             if has_inserts(text):
                 node.value = inserted(text, scope.parameters)
                 return node
@@ -221,6 +221,16 @@ class Copies:
         if given:
             return Given(value, node, text, given)
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
+
+    def _formula(self, node):
+        """Return a formula with the values of its parameters, whose units it keeps."""
+        text, scope = node.value, self.scope
+        node.value = filled_in(text, scope.parameters)
+        if not has_units(text, scope):
+            return node
+        from mecano.deck.expression_units import units_in_copy  # few formulas have such parameters
+
+        return CopiedFormula(node, node.value, units_in_copy(text, scope))
 
     def placed(self, name: str, key: Node, node: Node) -> dict[str, Entries]:
         """Return {section: {name: (key, node)}} of a copy of a template."""

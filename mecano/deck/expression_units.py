@@ -9,10 +9,11 @@ import re
 from contextlib import suppress
 from typing import TypeAlias
 
+from mecano.deck.copied_formulas import OUTER, filled_in
 from mecano.deck.expressions import NAME, is_expression
 from mecano.deck.scope import Scope
 from mecano.deck.units import dimension_of, is_quantity, number_and_unit, unit_of_dimension, written_in_si
-from mecano.laws.formula import COMPARISON, INPUT, difference_of, read_formula
+from mecano.laws.formula import COMPARISON, INPUT, FormulaError, difference_of, read_formula
 
 Powers: TypeAlias = "tuple[float, ...] | None"  # of m, kg and s; None where they are unknown
 LIKE = ("abs", "min", "max", "hypot")  # functions of quantities of one dimension, which is that of their value
@@ -40,7 +41,25 @@ def units_in_formula(text: str, scope: Scope) -> dict[int, str]:
     """Return {i: SI unit} of the parameters with units in a formula or condition, its i-th operands (Formula)."""
     names = [match[1] for match in NAME.finditer(text)]
     numbers = iter(range(len(names)))
-    text = NAME.sub(lambda match: f"{MARK}{next(numbers)}", text)
+    return _of_marked(NAME.sub(lambda match: f"{MARK}{next(numbers)}", text), names, scope)
+
+
+def units_in_copy(text: str, scope: Scope) -> dict[int, str]:
+    """Return the same of a formula in a template or ``repeat``, into which values of parameters are written."""
+    names: list[str] = []
+
+    def marked(name):
+        names.append(name)
+        return f"{MARK}{len(names) - 1}"
+
+    found = filled_in(text, scope.parameters, marked).replace(OUTER, "")
+    with suppress(FormulaError):  # reported where the copy is read
+        return _of_marked(found, names, scope)
+    return {}
+
+
+def _of_marked(text, names, scope):
+    """Return {i: SI unit} of a formula in which the parameters ``names`` are the quantities MARK0, MARK1, ..."""
     marked, found = read_formula(difference_of(text) if re.search(COMPARISON, text) else text), {}
     for i, (code, x) in enumerate(marked.operands):
         name = marked.references[int(x)] if code == INPUT else ""

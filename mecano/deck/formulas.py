@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from mecano.deck.compose import Node
+from mecano.deck.compose import CopiedFormula, Node
 from mecano.deck.containers import IDENTIFIER, kind
 from mecano.deck.expressions import NAME, ExpressionError, is_arithmetic
 from mecano.deck.laws import Law, law_or_name
@@ -143,11 +143,18 @@ def _noted(found, node, scope):
 def _note_formula(found, node, scope):
     """Note the Formula of a node, and the units of the parameters in it."""
     scope.formulas.append((found, node, scope.subject))
-    parameters = map(scope.parameters.node, NAME.findall(node.value))
-    if any(parameter and type(parameter.value) is str for parameter in parameters):  # a quantity or an expression
+    if type(node) is CopiedFormula:
+        scope.units_in_formulas[found.text] = node.units
+    elif has_units(node.value, scope):
         from mecano.deck.expression_units import units_in_formula  # few formulas have such parameters
 
         scope.units_in_formulas[found.text] = units_in_formula(node.value, scope)
+
+
+def has_units(text: str, scope: Scope) -> bool:
+    """Return whether a formula has parameters that are quantities or expressions, and may have units."""
+    parameters = map(scope.parameters.node, NAME.findall(text))
+    return any(parameter and type(parameter.value) is str for parameter in parameters)
 
 
 def check_formulas(values: Values, scope: Scope) -> None:
