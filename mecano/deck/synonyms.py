@@ -34,8 +34,8 @@ gear, gear train, gear wheel, planetary, planetary gear, epicyclic, sun gear, ri
 cvt, variator, continuously variable, variable ratio -> coupler | a coupler with a 'ratio', a law of time or a signal
 oldham, oldham coupling -> prismatic hinge | two prismatic joints across one another, and a disc between them, join
     shafts on hinges
-swash plate, wobble plate -> hinge spherical prismatic | a body on an inclined hinge, which pushes rods on spherical
-    joints
+swash plate, swashplate, wobble plate -> hinge spherical prismatic | a body on an inclined hinge, which pushes rods
+    on spherical joints
 gearbox, gear motor, geared motor -> coupler gear_pair joint_moment | a coupler of two hinges is any gear, with an
     efficiency by its 'friction'
 gear mesh, tooth stiffness, mesh stiffness, gear loss, lossy gear -> gear_pair rack_and_pinion | with 'teeth' they are
@@ -125,8 +125,8 @@ wishbone, suspension, control arm, trailing arm, knuckle, kingpin, tie rod, trac
     the upright; a tie rod is a rigid_rod between nodes 'attached' to bodies; a template describes one corner
 anti roll bar, antiroll bar, sway bar, stabilizer, stabilizer bar -> torsion_spring_damper rigid_rod | two arms on
     hinges, a torsion_spring_damper between them, a rod from each
-steering, steering rack, rack and pinion steering -> prismatic rack_and_pinion rigid_rod | a rack is a body on a
-    prismatic joint, whose 'natural_displacement' is the command; tie rods are rigid_rods
+steering, ackermann, steering rack, rack and pinion steering -> prismatic rack_and_pinion rigid_rod | a rack is a body
+    on a prismatic joint, whose 'natural_displacement' is the command; tie rods are rigid_rods
 toe, camber, kinematics and compliance -> rigid_rod hinge signals | they follow from the points of the suspension; a
     signal computes them
 leaf spring -> beam spring_damper
@@ -207,10 +207,10 @@ escapement, pawl, pallet -> contact rigid_body hinge | a tooth is a node 'attach
     of the other body
 mecanum, omni wheel, omnidirectional wheel, swedish wheel, holonomic drive, kiwi drive, mobile robot -> mecanum_wheel |
     'roller_angle: 45 deg' or '90 deg'; `mecano example mecanum` is a platform on four
-tracked vehicle, crawler, caterpillar, track chain -> belt wheel | not available; wheels that a belt joins turn and skid
-    like those of a track
-railway, rail vehicle, train, wheelset, conicity, hunting, creep force, creepage -> force moment formula | contact of
-    wheel and rail is not available; linear creep forces are loads that are formulas of the velocities
+tracked vehicle, crawler, caterpillar, track chain -> belt wheel contact | wheels that a belt joins turn and skid
+    like those of a track; or shoes on hinges, each with a contact with every wheel, without teeth
+railway, rail vehicle, train, wheelset, kalker, conicity, hunting, creep force, creepage -> force moment formula |
+    contact of wheel and rail is not available; linear creep forces are loads that are formulas of the velocities
 variable mass, rocket, propellant, propeller -> follower_force | a thrust; bodies whose mass varies are not available
 box contact, polyhedron, stacked boxes -> contact | corners are balls of radius 0 that touch planes of other bodies;
     edges that touch are not available
@@ -251,6 +251,13 @@ distributed load, line force, uniformly distributed load -> line_load pressure l
 distributed moment, distributed torque -> line_moment
 wind, wind load, gust, current, morison -> drag line_load | a 'drag' on each node of a member (docs/beams.md); a
     'line_load' for a given force
+flutter, aeroelasticity, typical section, wagner, theodorsen -> formula transfer_function joint_force joint_moment |
+    lift and moment are loads that are formulas of the motion, the lag of the wake is a transfer_function; `mecano modes
+    --sweep` finds the critical speed
+trolley, luffing, slewing, tower crane -> reeved_cable prismatic prescribed_angle | the trolley is an eyelet (radius 0)
+    or a pulley of the rope, the winch its 'payout'; see docs/pulleys.md
+spring surge, surge, coil clash -> spring_damper point_mass | a chain of masses and springs by
+    'repeat'; see docs/decks.md
 aerodynamics, air resistance, parachute, fluid -> drag follower_force | a lift is a follower_force whose value is a
     formula of signals
 function, time series, spline, curve -> laws formula table polynomial
