@@ -165,12 +165,13 @@ class ImpactSolution:
         holds, an impact without collision (Genot & Brogliato, Eur. J. Mech. A 18, 1999).
         """
         names, n, along = {i: c.element for c, i in self.uncoupled.items()}, len(free), np.zeros(len(slides))
-        jammed = [i for i, contact in enumerate(self.rough) if names[contact.contact] in self.shocks.jammed]
-        if jammed:
-            of = np.array([(2 * i, 2 * i + 1) for i in jammed]).ravel()
-            at = np.concatenate([[self.rough[i].contact for i in jammed], n + of])
-            rates = np.concatenate([free, slides])[at]
-            along[of] = -np.linalg.lstsq(self.W[np.ix_(at, at)], rates, rcond=None)[0][len(jammed) :]
+        for i, contact in enumerate(self.rough if self.shocks.jammed else ()):
+            own, normal = slice(2 * i, 2 * i + 2), contact.contact
+            at = [normal, n + 2 * i, n + 2 * i + 1]
+            W, u = self.W[np.ix_(at, at)], slides[own]
+            presses = contact.mu * (W[0, 1:] @ u) >= W[0, 0] * np.linalg.norm(u) > 0.0
+            if presses and names[normal] in self.shocks.jammed:
+                along[own] = -np.linalg.lstsq(W, np.array([free[normal], *u]), rcond=None)[0][1:]
         return along
 
     def _add_friction_losses(self, along):
