@@ -514,3 +514,27 @@ def test_a_ball_that_lifts_off_keeps_its_phase_where_rounding_decides(overlap, l
     end = s.copy()
     end.t, end.z[x + 2] = s.t + 1e-3, 0.3 - later
     assert integrator.shocks.undecided(g0, s, end, 1e6)[stack.event] == keeps
+
+
+def test_a_contact_that_is_kept_closed_opens_when_that_time_is_over():
+    """As one that friction makes open and close without end; until then it pulls, which does no work."""
+    prepared = prepare(
+        deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {ball: {position: [0, 0, 0.1]}}
+        elements:
+          ball: {type: rigid_body, node: ball, mass: 1, inertia: [4e-3, 4e-3, 4e-3]}
+          floor: {type: contact, nodes: [ground, ball], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1}
+        loads: {lift: {type: force, node: ball, direction: [0, 0, 1], value: {linear: {slope: 2000}}}}
+        time: {end: 0.02, step: 1 ms}
+    """)
+    )
+    for until, opens in ((-np.inf, 9.81 / 2000), (0.0105, 0.01)):
+        integrator, found = integrator_of(prepared), []
+        integrator.observers = (lambda accepted, found=found: found.extend(accepted.event_records),)
+        run = integrator.begin(prepared.state, 1e-3)
+        integrator.shocks.keep_closed({("contact 'floor'", "opens")}, until)
+        run = integrator.to(0.02, run)
+        (opened,) = found
+        assert opened.name == "opens" and opened.t == pytest.approx(opens, rel=1e-6)

@@ -39,6 +39,7 @@ class EventApplication:
     warnings: list[str] = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
+    kept_until: float = -np.inf  # [s]: until then contacts stay closed that have opened again and again at one instant
     idle: Counter = field(default_factory=Counter)  # closings without impulse since then, by element
     neglecting: set[str] = field(default_factory=set)  # joints, by title, whose friction a shock has neglected
     instants: int = 0  # at which events were applied, since the program started
@@ -127,20 +128,22 @@ class EventApplication:
         self.idle.update(event.element for event in once.values() if event.unit and not event.impulse)
         often = [event for key, event in once.items() if self.repeats[key] > MOST_AT_ONCE]
         most = max((self.repeats[key] for key in once), default=0)
+        if max(self.repeats.values(), default=0) >= MOST_REBOUNDS:
+            self.kept_until = t + run.h
         if often and (most > 2 * MOST_AT_ONCE or not self.capture.begin(hit, run)):
             raise failure.standstill(often[0], most, t)
         self._suppress_rebound()
 
     def _suppress_rebound(self):
-        self.shocks.suppress_rebound(
-            {element for (element, _), count in self.repeats.items() if count >= MOST_REBOUNDS}
-        )
+        often = {name for name, count in self.repeats.items() if count >= MOST_REBOUNDS}
+        self.shocks.suppress_rebound({element for element, _ in often})
+        self.shocks.keep_closed(often, self.kept_until)
         self.shocks.jammed = {element for element, count in self.idle.items() if count >= MOST_IDLE}
 
     def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers and lists from which ``from_plain`` continues."""
         repeats = [[*key, count] for key, count in self.repeats.items()]
-        own = {"since": self.since, "repeats": repeats, "idle": dict(self.idle)}
+        own = {"since": self.since, "repeats": repeats, "idle": dict(self.idle), "kept_until": self.kept_until}
         return {**own, "neglecting": sorted(self.neglecting)}
 
     def from_plain(self, plain: Mapping[str, Any]) -> None:
@@ -148,6 +151,7 @@ class EventApplication:
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["repeats"]})
         self.idle, self.neglecting = Counter(plain["idle"]), set(plain["neglecting"])
+        self.kept_until = plain["kept_until"]
         self._suppress_rebound()
 
 

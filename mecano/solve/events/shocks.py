@@ -52,12 +52,24 @@ class Shocks:
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates, self.jammed = ImpactCandidates(system), set[str]()
         self.touching = self.impact_candidates.touching(self.near)
+        self.kept_until = np.full(system.n_events, -np.inf)  # [s], of openings
 
     def suppress_rebound(self, elements: Set[str]) -> None:
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
         self.rest = self.least.copy()
         if elements:
             self.rest[[c.lead for c in self.impact_candidates if c.element in elements]] = np.inf
+
+    def keep_closed(self, often: Set[tuple[str, str]], until: float) -> None:
+        """Keep contacts closed ``until`` [s] whose openings, by element and name, are among the events ``often``.
+
+        Where friction leaves a contact neither closed nor open, it would open and close without end. It may pull for a
+        step, which does no work.
+        """
+        self.kept_until[:] = -np.inf
+        for c in self.impact_candidates.held if often else ():
+            if c.opening is not None and (c.element, c.opening.name) in often:
+                self.kept_until[c.opens] = until
 
     def departing(self, s: "State", g: np.ndarray) -> np.ndarray:
         """Return event values g (n_events,) at the beginning of a step, with those of separating contacts changed.
@@ -98,14 +110,15 @@ class Shocks:
         Rounding errors decide whether such a contact is open or closed, so it keeps its phase: an open one whose gap is
         below the tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose
         relative acceleration is rounding error; a separating one whose overlap at ``s0`` shrinks, however slowly, or is
-        below that tolerance at ``s``; and a closed one whose reaction is rounding error, k [N/m] being the mean
-        stiffness of the step.
+        below that tolerance at ``s``; a closed one whose reaction is rounding error, k [N/m] being the mean stiffness
+        of the step; and one that is kept closed.
         """
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
             return found
         g, held, events = self.monitor.values(s), self.impact_candidates.held, candidates.events
         found[held.opens] = np.abs(g[held.opens]) <= self._no_force(s, k) * self.unit[held.leads]
+        found |= self.kept_until >= s.t
         touching = candidates.where(np.maximum(-g0[events], np.abs(g[events])) <= self.near[candidates.leads])
         if touching:
             second, h = self._derivatives(s, touching)[:, 2], s.t - s0.t
