@@ -2,10 +2,12 @@
 
 from textwrap import dedent
 
+import numpy as np
 import pytest
 from process import flowing
 from time_runs import INPUTS, deck, input_deck
 
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import prepare, startup_warnings, warnings_of
 from mecano.analyses.summary import summary
 from mecano.deck.read import deck_of_bytes, read_deck
@@ -275,6 +277,27 @@ def test_what_is_strained_at_the_start(element, text):
     said = warned(whole)
     assert len(said) == bool(text)
     assert all(line.startswith(f"{at(whole, 'line: ')}{element.split()[1][:-1]} 'line' is {text}") for line in said)
+
+
+@pytest.mark.parametrize(
+    "initial", ["initial: static", "initial: {steady: {angular_velocity: [0, 0, 40], about: [0, 0, 0]}}"]
+)
+def test_a_start_that_is_solved_for_is_strained_by_its_loads(initial):
+    """The weight of 500 kg stretches a rope of 1 m by 5 %, 8 m/s of a mass of 1.6 kg that circles by 2 %."""
+    text = f"""
+        mecano: 1
+        gravity: {"[0, 0, -9.81]" if "static" in initial else "none"}
+        nodes: {{a: {{position: [0, 0, 0], fixed: true}}, b: {{position: PLACE}}}}
+        elements:
+          load: {{type: point_mass, node: b, mass: MASS}}
+          rope: {{type: cable, nodes: [a, b], axial_stiffness: 100 kN, natural_length: 1}}
+        {initial}
+        time: {{end: 1, step: 1 ms}}
+    """
+    place, mass = ("[0, 0, -1]", "500") if "static" in initial else ("[1.0001, 0, 0]", "1.6")
+    prepared = prepare(deck(text.replace("PLACE", place).replace("MASS", mass)))
+    set_initial_state(prepared)
+    assert np.linalg.norm(prepared.state.z[:3]) > 1.02 and startup_warnings(prepared) == []
 
 
 def test_beams_that_the_assembly_stretches():

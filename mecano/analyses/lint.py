@@ -90,9 +90,14 @@ def _without_copies(problems):
 
 
 def _strain_warnings(deck, system, s):
-    """Yield warnings about elements whose length at the start differs much from their length without force."""
-    at = {node.name: s.z[x : x + 3] for node, x in zip(system.nodes, system.numbering.x, strict=True)}
+    """Yield warnings about elements whose length at the start differs much from their length without force.
+
+    A start that is solved for is strained by its loads: the positions in the deck are judged.
+    """
     before = {node.name: node.x for node in system.nodes}
+    solved = any(deck.values["initial"][key] for key in ("static", "steady", "from"))
+    places = zip(system.nodes, system.numbering.x, strict=True)
+    at = before if solved else {node.name: s.z[x : x + 3] for node, x in places}
     for name, d in deck.values["elements"].items():
         usual = KINDS[d["type"]].strains
         if not usual or d.get("via") is not None or "ground" in d["nodes"]:
