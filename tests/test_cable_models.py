@@ -1,4 +1,4 @@
-"""Cables against the literature: impacts on long cables, a swinging Atwood machine, an elastic catenary."""
+"""Cables against the literature: impacts on long cables, a swinging Atwood machine, an elastic catenary, a pole."""
 
 import math
 
@@ -148,3 +148,29 @@ def test_an_elastic_catenary(verify):
     tension = stiffness * (np.linalg.norm(second - first) / (length / n) - 1.0)
     exact = math.hypot(H, 0.5 * weight * length * (1.0 - 1.0 / n))
     verify("Cables", "elastic catenary of 40 cables: tension at its end [N]", tension, exact, "Irvine", relative=2e-5)
+
+
+POLE = """
+    mecano: 1
+    gravity: none
+    nodes:
+      peg: {position: [0.1, -0.5, 0], fixed: true}
+      pole: {position: [0, 0, 0], fixed: true}
+      ball: {position: [0.1, 1.5, 0]}
+    elements:
+      ball: {type: point_mass, node: ball, mass: 0.5}
+      rope: {type: reeved_cable, nodes: [peg, pole, ball], radii: [0, 0.1, 0], axis: [0, 0, 1], axial_stiffness: 1 MN}
+    joints: {flat: {type: prescribed_position, node: ball, direction: [0, 0, 1], value: 0}}
+    initial: {velocities: [{nodes: [ball], velocity: [-2, 0, 0]}]}
+    time: {end: 4, step: 2 ms}
+"""
+
+
+def test_a_rope_winds_onto_a_pole(verify):
+    """The ball keeps its speed v, and the free length l of the rope falls with dl/dt = -R v/l, as on an involute."""
+    run = RecordedRun(deck(POLE))
+    x, v = run["nodes/ball/position"], run["nodes/ball/velocity"]
+    free = np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2 - 0.1**2)
+    exact = np.sqrt(1.5**2 - 2 * 0.1 * 2 * run.time)
+    verify("Cables", "rope that winds onto a pole: free length [m]", free, exact, "closed form", absolute=2e-4)
+    np.testing.assert_allclose(np.linalg.norm(v, axis=1), 2.0, rtol=2e-3)

@@ -1,7 +1,11 @@
 """Structures of textbooks and of NAFEMS, compared with closed forms and published numbers."""
 
+import re
+
 import numpy as np
 from equilibria import Equilibrium, Path
+from scipy.linalg import expm
+from scipy.optimize import brentq
 from small_motions import eigenvalues
 from time_runs import deck
 
@@ -158,3 +162,137 @@ def test_a_strip_is_lifted_off_the_floor_at_its_end(verify):
     verify(S, "strip lifted off a floor: length in the air [m]", 0.05 * free, exact, "closed form", absolute=0.05)
     force = found.output("joints/lift/force")
     verify(S, "strip lifted off a floor: force at its end [N]", force, 20 * exact / 2, "closed form", relative=1e-3)
+
+
+HOT = """
+    mecano: 1
+    gravity: none
+    sections:
+      rod: {type: stiffness, EA: 1.0e6, GA2: 1.0e7, GA3: 1.0e7, GJ: 1, EI2: 1, EI3: 10, mass_per_length: 1,
+            rotary_inertia: [0, 0, 0]}
+    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0], fixed: true}}
+    elements: {rod: {type: beam, nodes: [a, b], section: rod, up: [0, 0, 1], mesh: 16, thermal: {strain: 1.0e-5*time}}}
+    static: {over: time, end: 10, steps: 20}
+"""
+
+
+def test_a_heated_rod_between_walls_buckles(verify):
+    """Loads u^2 EI/L^2: u = 2 pi, symmetric, and tan(u/2) = u/2, antisymmetric; the strain is the load over EA."""
+    path = Path(HOT)
+    critical = [4 * np.pi**2, 4 * brentq(lambda x: np.tan(x) - x, 4.0, 4.6) ** 2]
+    np.testing.assert_array_equal(path.unstable, np.searchsorted(critical, 10 * path.factors))
+    found = float(re.search(r"near ([\d.]+), the equilibrium becomes unstable", path.result.warnings[0])[1])
+    what = "heated rod between walls: buckles at the strain [1e-6]"
+    verify(S, what, 10 * found, critical[0], "closed form", relative=5e-5)
+
+
+TWISTED = """
+    mecano: 1
+    gravity: none
+    sections:
+      blade: {type: stiffness, EA: 1.0e8, GA2: 1.0e8, GA3: 1.0e8, GJ: 1.0e4, EI2: 160, EI3: 10, mass_per_length: 1,
+              rotary_inertia: [1.0e-8, 5.0e-9, 5.0e-9]}
+    nodes: {root: {position: [0, 0, 0], fixed: true}, tip: {position: [1, 0, 0]}}
+    elements: {blade: {type: beam, nodes: [root, tip], section: blade, up: [0, 0, 1], twist: pi/2, mesh: 24}}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+def determinant_of_twisted_blade(frequency):
+    """Moments and shears at the free tip of TWISTED, by those at its root: zero at a natural frequency [Hz].
+
+    Euler and Bernoulli in axes that turn with the section at k = pi/2 per length, y = (u, phi, M, V), 2 numbers each:
+    u' = phi x e, phi' = M/EI, M' = V x e, V' = -w^2 u with the direction e of the blade.
+    """
+    turn = np.pi / 2 * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    across = np.array([[0.0, 1.0], [-1.0, 0.0]])  # a x e
+    none = np.zeros((2, 2))
+    A = np.block([
+        [turn, across, none, none],
+        [none, turn, np.diag([1 / 160, 1 / 10]), none],
+        [none, none, turn, across],
+        [-((2 * np.pi * frequency) ** 2) * np.eye(2), none, none, turn],
+    ])  # fmt: skip
+    return np.linalg.det(expm(A)[4:, 4:])
+
+
+def test_a_blade_twisted_by_a_quarter_turn(verify):
+    """Flatwise and edgewise bending are coupled."""
+    around = np.array([1.82, 5.01, 15.93, 23.97])
+    exact = [brentq(determinant_of_twisted_blade, 0.97 * f, 1.03 * f) for f in around]
+    what = "twisted blade: four frequencies [Hz]"
+    verify(S, what, frequencies(TWISTED, 4), exact, "transfer matrix", relative=1e-5)
+
+
+PFLUEGER = """
+    mecano: 1
+    gravity: none
+    sections:
+      rod: {type: stiffness, EA: 1.0e6, GA2: 1.0e6, GA3: 1.0e6, GJ: 1, EI2: 1, EI3: 1, mass_per_length: 1,
+            rotary_inertia: [1.0e-6, 5.0e-7, 5.0e-7]}
+    nodes: {foot: {position: [0, 0, 0], fixed: true}, tip: {position: [0, 0, 1]}}
+    elements:
+      rod: {type: beam, nodes: [foot, tip], section: rod, up: [1, 0, 0], mesh: 12}
+      tip: {type: point_mass, node: tip, mass: 0.5}
+    joints: {plane: {type: planar, nodes: [ground, tip], axis: [0, 1, 0]}}
+    loads: {thrust: {type: follower_force, node: tip, direction: [0, 0, -1], value: LOAD}}
+    initial: {static: {method: steps}}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+def oscillations_of_pflueger(load):
+    """Return how many frequencies W below 25 rad/s has Pflueger's column of unit length, EI and mass.
+
+    w_xxxx + P w_xx = W^2 w, w = w_x = 0 at the foot, w_xx = 0 and w_xxx = -W^2 w/2 at the tip.
+    """
+
+    def determinant(W):
+        A = np.diag([1.0, 1.0, 1.0], 1)
+        A[3] = W**2, 0.0, -load, 0.0
+        return np.linalg.det((np.array([[0, 0, 1, 0], [0.5 * W**2, 0, 0, 1]]) @ expm(A))[:, 2:])
+
+    values = np.array([determinant(W) for W in np.linspace(0.1, 25.0, 400)])
+    return int(np.sum(values[1:] * values[:-1] < 0.0))
+
+
+def test_pfluegers_column_flutters():
+    """Beck's column with a mass at its tip flutters where two frequencies meet, at 16.06 EI/L^2 instead of 20.05."""
+    assert [oscillations_of_pflueger(load) for load in (15.95, 16.15)] == [2, 0]
+    for load in (15.95, 16.15):
+        values = eigenvalues(deck(PFLUEGER.replace("LOAD", str(load))))
+        fastest = values[np.argmax(values.real)]
+        assert fastest.real < 1e-6 if load < 16.06 else (fastest.real > 0.1 and abs(fastest.imag) > 5.0)
+
+
+PRISM = """
+    mecano: 1
+    gravity: none
+    parameters: {tilt: 143*pi/180, twist: 5*pi/6, bar: '=sqrt(2*(1 - cos($twist)) + 2.25)'}
+    nodes:
+      low_$i: {repeat: {i: 0..2}, position: ['=cos(2*pi*$i/3)', '=sin(2*pi*$i/3)', 0]}
+      top_$i:
+        repeat: {i: 0..2}
+        position: ['=cos(2*pi*$i/3 + $tilt)', '=sin(2*pi*$i/3 + $tilt)', '=sqrt($bar**2 - 2*(1 - cos($tilt)))']
+    elements:
+      mass_$i: {repeat: {i: 0..2}, type: point_mass, node: top_$i, mass: 0.1}
+      side_$i:
+        {repeat: {i: 0..2}, type: cable, nodes: [low_$i, top_$((i + 2) % 3)], axial_stiffness: 10 kN,
+         natural_length: 1.5}
+      edge_$i:
+        {repeat: {i: 0..2}, type: cable, nodes: [top_$i, top_$((i + 1) % 3)], axial_stiffness: 10 kN,
+         natural_length: 1.7}
+    joints:
+      bar_$i: {repeat: {i: 0..2}, type: rigid_rod, nodes: [low_$i, top_$i]}
+      base_$i: {repeat: {i: 0..2}, type: spherical, nodes: [ground, low_$i]}
+    static: {method: relaxation}
+"""
+
+
+def test_a_tensegrity_prism_twists_by_150_degrees(verify):
+    """Three bars that do not touch, and prestressed cables: of all twists this one alone is in equilibrium."""
+    path = Path(PRISM)
+    (x, y, _), (_, _, height) = path.positions("top_0")[-1], path.positions("top_1")[-1]
+    twist = np.degrees(np.arctan2(y, x))
+    verify(S, "tensegrity prism: twist [deg]", twist, 150.0, "closed form (Connelly & Terrell 1995)", relative=1e-9)
+    assert path.unstable[-1] == 0 and height > 1.4
