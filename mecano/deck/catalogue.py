@@ -28,6 +28,7 @@ from mecano.errors import UsageError
 from mecano.laws import TERMS
 from mecano.schema import Type
 
+ALL_SECTIONS = {section.name: section for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT)}
 ROLES = {"curve": "curves y of one variable s", "force": "forces F of extension s and rate v"}
 SEPARATOR = "\n" + "-" * WIDTH + "\n\n"
 ELSEWHERE = {  # topics of `mecano explain` besides kinds, terms, sections and fields
@@ -85,26 +86,24 @@ def catalogue(word: str = "") -> str:
 
     With a ``word``, such as "joints" or "laws", only the groups whose title has it. Raises UsageError if none has.
     """
-    groups: dict[str, list[tuple[str, str]]] = {f"{kind.section}:": [] for kind in KINDS.values()}
+    groups: dict[str, list[Any]] = {}  # by title, of entries with name and doc
     for kind in KINDS.values():
-        groups[f"{kind.section}:"].append((kind.name, kind.doc))
+        groups.setdefault(kind.section, []).append(kind)
     for role, title in ROLES.items():
-        groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
-    groups["slip laws of tyres, fields of tire_laws:"] = [(law.name, law.doc) for law in SLIP_LAWS.values()]
-    groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
-    groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
-    groups["to compose decks:"] = [(field.name, field.doc) for field in (*EXPANDED_SECTIONS, REPEAT)]
-    titles = [title.rstrip(":") for title in groups]
-    groups = {title: entries for title, entries in groups.items() if word.lower() in title}
-    if not groups:
-        raise UsageError(f"there is no list of {quoted(word)}; there are lists of {'; '.join(titles)}")
-    width = max(len(name) for entries in groups.values() for name, _ in entries)
+        groups[f"terms of laws, {title}"] = [term for term in TERMS.values() if term.role == role]
+    groups["slip laws of tyres, fields of tire_laws"] = [*SLIP_LAWS.values()]
+    groups["cross sections of beams"] = [*SHAPES.values()]
+    groups["sections of a deck"] = [*SECTIONS]
+    groups["to compose decks"] = [*EXPANDED_SECTIONS, REPEAT]
+    shown = {title: entries for title, entries in groups.items() if word.lower() in title}
+    if not shown:
+        raise UsageError(f"there is no list of {quoted(word)}; there are lists of {'; '.join(groups)}")
+    width = max(len(entry.name) for entries in shown.values() for entry in entries)
     lines = []
-    for title, entries in groups.items():
-        lines.append(title)
-        for name, doc in entries:
-            head, rest = f"  {name:<{width}}  ", " " * (width + 4)
-            lines += wrap(_sentence(doc), WIDTH + width, initial_indent=head, subsequent_indent=rest)
+    for title, entries in shown.items():
+        lines.append(f"{title}:")
+        for entry in entries:
+            lines += _listed(entry.name, _sentence(entry.doc), width, WIDTH + width)
         lines.append("")
     return "\n".join([*lines, "mecano explain NAME describes each, mecano explain study the study files."])
 
@@ -133,17 +132,16 @@ def _texts_on(name):
     """Return the texts on everything with this name, and the names of kinds, shapes, terms and sections."""
     if name == "units":
         return [UNITS_TEXT], ()
-    sections = {section.name: section for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT)}
     section = f"{name.replace(' ', '_')}s"  # ground, tire law: an entry of a section
-    name = section if section in sections else name
+    name = section if section in ALL_SECTIONS else name
     slip_laws = {key: law for key, law in SLIP_LAWS.items() if law.type.name == "mapping"}  # friction is of many
     found: list[tuple[Mapping[str, Any], Callable[[Any], str]]] = [
         (KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (slip_laws, describe_slip_law),
-        (sections, _section),
+        (ALL_SECTIONS, _section),
     ]  # fmt: skip
     texts = [plain_text(text(known[name])) for known, text in found if name in known]
     texts = texts or [plain_text(text) for text in _texts_on_field(name)]
-    return texts, [*KINDS, *SHAPES, *TERMS, *SLIP_LAWS, *sections]
+    return texts, [*KINDS, *SHAPES, *TERMS, *SLIP_LAWS, *ALL_SECTIONS]
 
 
 def _nearest(name, known):
@@ -158,16 +156,14 @@ def _for_synonym(name, targets, note, known):
     lines = [f"See also, for {quoted(name)}:" if known else f"{name}: equivalents in mecano", ""]
     width = max(map(len, targets), default=0)
     for target in targets:
-        head, rest = f"  {target:<{width}}  ", " " * (width + 4)
-        lines += wrap(_first_words(target), WIDTH, initial_indent=head, subsequent_indent=rest)
+        lines += _listed(target, _first_words(target), width, WIDTH)
     lines += wrap(f"{note[0].upper()}{note[1:]}.", WIDTH) if note else []
     return "\n".join([*lines, *(["", "mecano explain NAME describes each."] if targets else []), ""])
 
 
 def _first_words(target):
     """Return the first sentence on a target of a synonym."""
-    sections = {section.name: section for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT)}
-    for known in (KINDS, SHAPES, TERMS, SLIP_LAWS, sections):
+    for known in (KINDS, SHAPES, TERMS, SLIP_LAWS, ALL_SECTIONS):
         if target in known:
             return _sentence(known[target].doc)
     return ELSEWHERE.get(target) or next(_fields_named(target))[1].doc
@@ -222,6 +218,11 @@ def _walk(fields, place):
         for type_ in (field.type, *(option for option in field.type.options if isinstance(option, Type))):
             if type_.name == "mapping":
                 yield from _walk(type_.options, inner)
+
+
+def _listed(name, text, width, longest):
+    """Return lines of at most ``longest`` characters: a name, in a column of the given width, and a text beside it."""
+    return wrap(text, longest, initial_indent=f"  {name:<{width}}  ", subsequent_indent=" " * (width + 4))
 
 
 def _sentence(doc):
