@@ -196,19 +196,22 @@ class TestRun:
         ended = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
         assert int(ended.stdout) <= 20
 
-    def test_scipy_is_not_imported_for_little(self, call, folder):
+    def test_scipy_is_not_imported_for_little(self, folder):
         """Not for shocks, curved beams, steady running, signals that only measure, and control of a large model."""
         decks = "rocking_block", "woodpecker", "beam_45_degrees", "caster_shimmy", "separation", "car"
         runs = [["run", str(INPUTS / f"{deck}.yaml"), "-q", "--force", "-o", f"{deck}.h5"] for deck in decks]
-        for words in runs:
-            call(*words)  # compiles, if need be, by numba, which imports SciPy
         code = f"""
             import sys, mecano.cli
+            needed_by = []
             for words in {runs!r}:
                 mecano.cli.commands(words, standalone_mode=False)
-                if "scipy" in sys.modules: sys.exit(words[1])
+                needed_by += [words[1]] * ("scipy" in sys.modules)
+            sys.exit(needed_by[0] if needed_by else 0)
             """
-        ended = subprocess.run([sys.executable, "-c", dedent(code)], stderr=subprocess.PIPE, text=True)
+        for _ in range(2):  # the first compiles, if need be, by numba, which imports SciPy
+            ended = subprocess.run([sys.executable, "-c", dedent(code)], stderr=subprocess.PIPE, text=True)
+            if ended.returncode == 0:
+                break
         assert (ended.returncode, ended.stderr) == (0, "")
 
     def test_quiet(self, call, folder):
