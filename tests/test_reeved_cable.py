@@ -380,9 +380,52 @@ def test_a_rope_slides_through_a_ring_and_a_corner(verify):
     )
 
 
-def test_an_eyelet_has_no_friction():
-    with pytest.raises(DeckError, match="'friction' is that of pulleys: a cable slides freely through an eyelet"):
-        deck(THREADED.replace("pretension: 15", f"{ROUGH}: [0.1, 0], regularization: 0.01}}").replace("STEP", "1 ms"))
+HAULED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      winch: {position: [0, 0, 0], fixed: true}
+      ring: {position: [1, 0.5, 2], fixed: true}
+      block: {position: [2.1, -1, 3], fixed: true}
+      load: {position: [2, -1, 1]}
+    elements:
+      load: {type: point_mass, node: load, mass: 20}
+      rope: {type: reeved_cable, nodes: [winch, ring, block, load], radii: [0, 0, BLOCK, 0], axis: [0, -1, 0],
+             axial_stiffness: 1.0e5, damping: 0.02, pretension: 300, payout: PAYOUT,
+             friction: {coefficients: [0.2, 0.3], regularization: 0.01}}
+    joints:
+      x: {type: prescribed_position, node: load, direction: [1, 0, 0], value: 0}
+      y: {type: prescribed_position, node: load, direction: [0, 1, 0], value: 0}
+    time: {end: 1.5, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize(("payout", "sense"), [("-0.5*time", 1.0), ("0.5*time", -1.0)], ids=["hauled", "lowered"])
+def test_tensions_of_a_rope_that_slides_through_eyelets(verify, payout, sense):
+    """In space: at each eyelet the tensions differ by exp(mu times the angle between the spans)."""
+    m = RecordedRun(deck(HAULED.replace("BLOCK", "0").replace("PAYOUT", payout)))
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 2.0], [2.1, -1.0, 3.0], m["nodes/load/position"][-1]])
+    along = np.diff(points, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    bends = np.arccos([along[0] @ along[1], along[1] @ along[2]])
+    found = np.array([m[f"elements/rope/tension_{i}"][-1] for i in (1, 2, 3)])
+    ratios = np.exp(sense * np.array([0.2, 0.3]) * bends)
+    what = f"rope {'hauled' if sense > 0.0 else 'lowered'} through two eyelets: ratios of the tensions"
+    verify(S, what, found[:-1] / found[1:], ratios, "capstan formula", relative=1e-9)
+    assert found[2] * -along[2, 2] == pytest.approx(20 * g, rel=2e-3)
+    lost, drift = m["energy/dissipated"], m["energy/balance"]
+    assert np.all(np.diff(lost) > -1e-12) and lost[-1] > 10.0
+    assert np.ptp(drift) < 1e-5 * lost[-1]
+
+
+def test_a_small_pulley_is_nearly_an_eyelet():
+    """Of the radius 1 mm, in a plane, instead of the second eyelet; the first one stays."""
+    plane = HAULED.replace("1, 0.5, 2]", "1, 0, 2]").replace("-1, 3]", "0, 3]").replace("2, -1, 1]", "2, 0, 1]")
+    eyelet, pulley = (RecordedRun(deck(plane.replace("BLOCK", r).replace("PAYOUT", "-time/2"))) for r in ("0", "-1e-3"))
+    for i in (1, 2, 3):
+        name = f"elements/rope/tension_{i}"
+        np.testing.assert_allclose(pulley[name][-1], eyelet[name][-1], rtol=2e-3)
+        assert pulley[name][-1] != eyelet[name][-1]
 
 
 def test_the_spans_of_a_rope_through_eyelets_are_drawn(tmp_path):

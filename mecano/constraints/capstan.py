@@ -1,8 +1,8 @@
-r"""Capstan friction of a cable on the pulleys over which it slides: the tensions of neighbouring spans differ.
+r"""Capstan friction of a cable on the pulleys and eyelets over which it slides: the tensions of its spans differ.
 
-Over pulley i, with the angle of its arc :math:`\theta_i` and the coefficient :math:`\mu_i`, the cable slides at the
-speed :math:`u_i`, > 0 towards the span before it. The tensions of the spans before and after it (:math:`N_0` is the
-output ``tension_1``) satisfy
+Over pulley i, with the angle of its arc :math:`\theta_i`, or through an eyelet at which the cable bends by this angle,
+with the coefficient :math:`\mu_i`, the cable slides at the speed :math:`u_i`, > 0 towards the span before it. The
+tensions of the spans before and after it (:math:`N_0` is the output ``tension_1``) satisfy
 
 .. math::  N_i = N_{i-1}\, \exp(-\mu_i\, \theta_i\, \phi(|u_i|)\, \mathrm{sign}\, u_i)
 
@@ -45,19 +45,36 @@ from mecano.constraints.reeved_path import (
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
-from mecano.maths.dual import at_least, constant, exp, value
-from mecano.maths.vector import add_vec, dot, vec
+from mecano.maths.dual import at_least, atan2, constant, exp, sqrt, value
+from mecano.maths.vector import add_vec, cross, dot, vec
 from mecano.schema import NUMBERS, Field, mapping
+
+STRAIGHT = 1e-30  # square of the sine of a bend below which it has no slope
+
+
+@kernel
+def _bend(p, at, i):
+    """Return the angle [rad] by which the cable bends at eyelet i."""
+    a, b = span(p, at.q, i - 1)[0], span(p, at.q, i)[0]
+    across = cross(a, b)
+    straight = STRAIGHT * value(dot(a, a)) * value(dot(b, b))
+    return atan2(sqrt(at_least(dot(across, across), straight)), dot(a, b))
 
 
 @kernel
 def _pulley(p, at, i):
-    """Return half of the arc on pulley i, and gradients of the lengths that it takes up from the spans at its sides."""
+    """Return half of the arc on pulley i, the angle of the arc, and gradients of the lengths that it takes up.
+
+    They are those that it takes up from the spans at its sides. An eyelet is a pulley without an arc.
+    """
+    if p.radii[i] == 0.0:
+        none = 0.0 * span(p, at.q, i)[0]
+        return dot(none, none), _bend(p, at, i), (none, none), (none, none)
     before, g_before, turning_before = side(p, at, i, i - 1)
     behind, g_behind, turning_behind = side(p, at, i, i)
     r = p.radii[i]
     half = at_least(0.5 * r * follow(p.start[i - 1] + at.m[i - 1], behind - before), 0.0)
-    return half, (-r * g_before, -r * turning_before), (r * g_behind, r * turning_behind)
+    return half, 2.0 * half / abs(r), (-r * g_before, -r * turning_before), (r * g_behind, r * turning_behind)
 
 
 @kernel
@@ -81,14 +98,13 @@ def _over(p, at, i, pulley, cable, sums):
 
     They are the part of the path, the rate at which it takes up cable, the tension, and the contribution to the mean.
     """
-    half, before, behind = pulley
+    half, angle, before, behind = pulley
     length, rate, feed, _ = cable
     part, taken, tension, mean = sums
     d, _, free = span(p, at.q, i)
     arc, own = half / length, (half + free) / length
     part, taken = part + arc, taken + _rate(at, i, i - 1, before)
     u = taken - part * rate - feed * (1.0 - part)
-    angle = 2.0 * half / abs(p.radii[i])
     after = tension * exp(-p.coefficients[i - 1] * angle * sticking(p.regularization, abs(u)) * u)
     taken = taken + _rate(at, i, i, behind) + dot(d, relative(at.v, i)) / free
     return u, (part + own, taken, after, mean + arc * tension + own * after)
@@ -140,8 +156,8 @@ def _functions(strain_of):
         for i in range(1, len(p.radii) - 1):
             pulley, tension = _pulley(p, at, i), sums[2]
             _, sums = _over(p, at, i, pulley, cable, sums)
-            _pull_pulley(f, i, i - 1, pulley[1], tension - mean)
-            _pull_pulley(f, i, i, pulley[2], sums[2] - mean)
+            _pull_pulley(f, i, i - 1, pulley[2], tension - mean)
+            _pull_pulley(f, i, i, pulley[3], sums[2] - mean)
             _pull_span(p, at, f, i, sums[2] - mean)
 
     @kernel
@@ -167,9 +183,9 @@ def _functions(strain_of):
 def friction_field():
     """Return the field ``friction`` of a cable."""
     coefficients = Field(
-        "coefficients", NUMBERS, "-", "mu on each pulley, in their order; 0 where the cable slides freely"
+        "coefficients", NUMBERS, "-", "mu on each pulley and eyelet, in their order; 0 where the cable slides freely"
     )
-    doc = "capstan friction on the pulleys, which turn with their nodes alone; none when absent"
+    doc = "capstan friction on the pulleys, which turn with their nodes alone, and eyelets; none when absent"
     return Field("friction", mapping(coefficients, regularization()), "-", doc, None)
 
 

@@ -20,9 +20,9 @@ stiffness EA and the damping time :math:`\tau`, the forces on all nodes follow f
 
 as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
 :math:`\varepsilon + \tau\dot\varepsilon` are positive, and its viscous tension is at most as large as the elastic one.
-The power given by a varying natural length is also that of a
-cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction). A
-``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
+The power given by a varying natural length is also that of a cable. The cable has no mass. With ``friction`` on pulleys
+and eyelets each span has its own tension (capstan friction). A ``release`` cuts the cable: it carries no force from
+then on, its elastic energy is lost, and its outputs are zero.
 
 With ``activate`` the cable carries no force before that instant, and the surroundings give its elastic energy at that
 instant. Its natural length follows from the path at the start; with ``stress_free`` it follows from the path at the
@@ -221,11 +221,11 @@ def _check_friction(d):
         return []
     coefficients, pulleys, texts = d["friction"]["coefficients"], len(d["nodes"]) - 2, []
     if len(coefficients) != pulleys:
-        texts.append(f"'friction' needs {pulleys} coefficients, one for each pulley; it has {len(coefficients)}")
+        texts.append(
+            f"'friction' needs {pulleys} coefficients, one for each pulley and eyelet; it has {len(coefficients)}"
+        )
     if min(coefficients, default=0.0) < 0.0:
         texts.append("'friction' needs coefficients that are not negative")
-    if not all(d["radii"][1:-1]):
-        texts.append("'friction' is that of pulleys: a cable slides freely through an eyelet, of the radius 0")
     return texts
 
 
@@ -281,7 +281,9 @@ def sample(rng):
         *released, *activated, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"),
         (single, [*nodes[:2], nodes[3]], "taut"), (threaded, apart, "taut"),
         ({**d, "radii": [0.0, 0.0, -0.15, 0.0]}, nodes, "taut"),
-        *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
+        ({**threaded, "friction": rough[1]["friction"]}, apart, "taut"),
+        *((one, nodes, "taut") for one in (*rough, {**rough[0], "radii": [0.0, 0.0, -0.15, 0.0]})),
+        ({**rough[0], "payout": 3.0}, nodes, "slack"),
         *(({**one, "payout": "0.1*command"}, nodes, "taut") for one in (d, rough[0])),
     ]  # fmt: skip
 
