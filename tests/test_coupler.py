@@ -335,3 +335,29 @@ def test_a_ratio_that_depends_on_a_speed():
 def test_errors_of_a_ratio(given, message):
     with pytest.raises(DeckError, match=message):
         deck(FLYWHEELS.replace("ratio: RATIO", given).replace("STEP", "1e-3"))
+
+
+def test_a_motor_of_given_speed_lets_go_of_two_flywheels(verify):
+    """The moment of the motor while the ratio is 1/2, then speeds and moment of the variator by the energy."""
+    runs = [RecordedRun(input_deck("variator", f"time.step={h}")) for h in (4e-3, 2e-3)]
+    driven, free = np.arange(0.2, 0.95, 0.1), np.arange(2.2, 2.95, 0.1)
+    found = []
+    for m in runs:
+        moment = at_times(m, m["joints/motor/moment"], driven)
+        found.append(np.concatenate([moment, *(at_times(m, m[f"joints/{n}"], free) for n in LATER)]))
+    r, slope = _ramp(free - 1.5)
+    inertia = 0.3 + 0.2 * r**2
+    rate = 20.0 * np.sqrt(0.35 / inertia)
+    moment = 0.35 * 20.0 * 30.0 * driven**2 * (1.0 - driven) ** 2
+    known = [moment, rate, r * rate, 0.2 * slope * rate * (1.0 - 0.2 * r**2 / inertia)]
+    what = "motor of given speed, variator: moments [N m], speeds [rad/s]"
+    verify.second_order("Coupler", what, *found, np.concatenate(known), 2e-6, "closed form, energy")
+    (released,) = runs[0].event_records
+    assert released.t == pytest.approx(1.5, abs=1e-12)
+    for m in runs:
+        after = m.time > 1.5 + 1e-9
+        np.testing.assert_array_equal(m["joints/motor/moment"][after], 0.0)
+        np.testing.assert_allclose(m["energy/given"][after], 0.5 * 0.35 * 400.0, rtol=1e-4)
+
+
+LATER = "shaft_a/rate", "shaft_b/rate", "variator/load_1"

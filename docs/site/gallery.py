@@ -53,6 +53,7 @@ PLOTS = {
     "step_steer": "*.lateral_force",
     "swept_sine": "mount.extension",
     "turn_slip": "*.slip_moment.z",
+    "variator": "shaft_a.rate,shaft_b.rate",
     "yo_yo_despin": "axle.rate",
 }
 FILMS = (
