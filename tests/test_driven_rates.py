@@ -197,3 +197,50 @@ def test_the_response_to_a_rate(rate, channel):
     own = [(small.C @ small.motion(one) + small.D)[:, 0] for one in s]
     np.testing.assert_allclose(found.values[:, :, 0], angles, rtol=1e-9)
     np.testing.assert_allclose(own, angles, rtol=1e-7)
+
+
+STOPPED = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 1, 0]}}
+    elements:
+      first: {type: rigid_body, node: a, mass: 1, inertia: [1, 0.5, 1]}
+      disc: {type: rigid_body, node: b, mass: 1, inertia: [1, 0.2, 1]}
+    joints:
+      first: {type: hinge, nodes: [ground, a], axis: [0, 1, 0], stops: {lower: -10, upper: 1, restitution: 0.5}}
+      disc: {type: hinge, nodes: [ground, b], axis: [0, 1, 0]}
+      drive: DRIVE
+    initial: {velocities: [{nodes: [a], angular_velocity: [0, 2, 0]}, {nodes: [b], angular_velocity: [0, 6, 0]}]}
+    time: {end: 1, step: 1e-3MORE}
+"""
+
+
+@pytest.mark.parametrize("more", ["", ", method: radau"], ids=["generalized_alpha", "radau"])
+def test_a_rate_that_jumps_with_a_shock(more):
+    """The drive gives the change of the energy of the disc, 0.2 (3^2 - 6^2)/2 J; the stop takes that of the first."""
+    drive = "{type: prescribed_angle, nodes: [ground, b], axis: [0, 1, 0], rate: 3*first.rate}"
+    m = RecordedRun(deck(STOPPED.replace("DRIVE", drive).replace("MORE", more)))
+    assert m["joints/first/rate"][-1] == pytest.approx(-1.0, abs=1e-9)
+    assert m["joints/disc/rate"][-1] == pytest.approx(-3.0, abs=1e-9)
+    assert m["energy/given"][-1] == pytest.approx(-2.7, abs=1e-9)
+    assert m["energy/dissipated"][-1] == pytest.approx(0.75, abs=1e-9)
+    assert np.ptp(m["energy/balance"]) < 1e-9
+
+
+@pytest.mark.parametrize("more", ["", ", method: radau"], ids=["generalized_alpha", "radau"])
+def test_a_ratio_that_jumps_with_a_shock(more):
+    """Behind the stop the ratio is r = 2 + a'/2; the variator then turns a by -r J and b by J to b' = r a'."""
+    drive = "{type: coupler, angles: [disc, first], ratio: 2 + first.rate/2}"
+    m = RecordedRun(deck(STOPPED.replace("DRIVE", drive).replace("MORE", more)))
+    a, b = m["joints/first/rate"][-1], m["joints/disc/rate"][-1]
+    r = 2.0 + a / 2.0
+    impulse = 0.2 * (b + 3.0)
+    assert b == pytest.approx(r * a, abs=1e-9) and 0.5 * (a + 1.0) == pytest.approx(-r * impulse, abs=1e-8)
+    assert np.ptp(m["energy/balance"]) < 1e-8
+
+
+def test_steps_of_a_microsecond():
+    """Rates of signals are differences over a fiftieth of a step, whose rounding is not an error."""
+    text = PENDULUM.format(rate=SIGNAL.replace("2 +", "200 +"), step=1e-6, more="")
+    m = RecordedRun(deck(text.replace("end: 2,", "end: 2e-5,")))
+    np.testing.assert_allclose(m["joints/motor/moment"][0], known(0.0)[2], rtol=0.0, atol=1e-3)

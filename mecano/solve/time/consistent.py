@@ -263,7 +263,9 @@ def consistent_state(
     if len(system.driving_signals):
         from mecano.solve.time.driving_signals import settle_driving_signals  # few models have any
 
-        settle_driving_signals(consistent, s, h)
+        consistent = settle_driving_signals(
+            consistent, s, h, lambda: Consistent(system, linear, s, contradictions.length, compliance)
+        )
     return s, consistent
 
 

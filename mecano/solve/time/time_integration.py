@@ -278,7 +278,7 @@ class TimeIntegrator:
             s = self._consistent(s, run.h, impact=True)
         run = self._slowed(run, found.hit)
         run, s, event_records, consistent = self.events.apply(run, s, found.hit, at_once=True)
-        new = self.start_again(run, s, consistent)
+        new = self._start_behind_event(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
         return new
 
@@ -296,7 +296,13 @@ class TimeIntegrator:
         if self.monitor.captures:
             self.capture.accepted(info.event_records, whole=False)
         self._notify(Accepted(run.motion, new, info, h, rejected, (*info.event_records, *event_records)))
-        return self.start_again(after, s, consistent)
+        return self._start_behind_event(after, s, consistent)
+
+    def _start_behind_event(self, run, s, consistent):
+        """Restart the run at ``s``; what rates that depend on velocities change after a shock, their drives give."""
+        new, driven = self.start_again(run, s, consistent), len(self.system.driving_signals) > 0
+        before, after = (float(self.observe(one).energy[0]) if driven else 0.0 for one in (s, new.motion))
+        return replace(new, given=new.given + after - before)
 
     def _slowed(self, run, hit):
         """Return the run with a step no longer than a restart allows if some events ``hit`` are conditions.
