@@ -391,8 +391,8 @@ time:
 @pytest.mark.parametrize(
     ("entry", "hint"),
     [
-        ("{type: spherical, nodes: [ground, pin], release: {time: 1}}",
-         "it is a field of hinge, constant_velocity, cylindrical, prismatic, fixed, grip, rigid_rod"),
+        ("{type: spherical, nodes: [ground, pin], stops: {upper: 1}}",
+         "it is a field of hinge, cylindrical, prismatic, screw"),
         ("{type: spherical, node: [ground, pin]}", "did you mean 'nodes'?"),
     ],
 )  # fmt: skip

@@ -64,7 +64,12 @@ def mirrored(kind, d, flipped):
         out["factors"] = [f * (-1.0 if i < len(d["angles"]) else 1.0) for i, f in enumerate(d["factors"])]
     if kind.name == "nonlinear_coupler":
         signs = [1.0 if d.get(field) is None else -1.0 for field in ("angle", "of_angle")]
-        out |= _reflected_function(d, *signs)
+        out["start"] = signs[1] * d["start"]
+        if d.get("formula"):
+            reflected = re.sub(r"\bs\b", f"({signs[1]}*s)", d["formula"])
+            out["formula"] = f"{signs[0]}*({reflected})"
+        else:
+            out["function"] = _reflected(d["function"], *signs)
     if kind.name == "beam":
         out |= {"twist": -d["twist"], "section": _section(d["section"])}
     if kind.name == "superelement":
@@ -74,14 +79,6 @@ def mirrored(kind, d, flipped):
         law = tyre["magic_formula"]
         out["tire_law"] = {**tyre, "magic_formula": {**law, "mirrored": not law.get("mirrored")}}
     return _opposite(out, flipped)
-
-
-def _reflected_function(d, sign, sign_of_argument):
-    """The values of a nonlinear coupler for the function sign f(sign_of_argument s)."""
-    start = {"start": sign_of_argument * d["start"]}
-    if d["formula"] is None:
-        return {**start, "function": _reflected(d["function"], sign, sign_of_argument)}
-    return {**start, "formula": f"{sign}*({re.sub(r'(?<![a-z])s(?![a-z])', f'({sign_of_argument}*s)', d['formula'])})"}
 
 
 def _reflected(function, sign, sign_of_argument):
@@ -161,7 +158,8 @@ def twin_of(kind, sample):
         if is_inactive(original):
             original.multipliers = 0.0 * original.multipliers
         names = [*original.kind.scalars, *original.kind.inputs]
-        original.scalars[:, [name in ("set_point", "rate") for name in names]] = 0.0  # of an unknown axis
+        of_axes = ("set_point", "rate") if flipped else ("set_point",)
+        original.scalars[:, [name in of_axes for name in names]] = 0.0  # of an axis that is not known here
         twin.scalars = original.scalars * [-1.0 if name in flipped else 1.0 for name in names]
     moved = here.moved(MIRROR, SHIFT)
     return twins, Motion(here.t, moved.x, moved.R @ S, -here.turn @ S)
