@@ -150,7 +150,7 @@ class EventApplication:
         """Continue from the result of ``to_plain``."""
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["repeats"]})
-        self.idle, self.neglecting = Counter(plain["idle"]), set(plain["neglecting"])
+        self.idle, self.neglecting = Counter(plain.get("idle", {})), set(plain["neglecting"])
         self.kept_until = plain["kept_until"]
         self._suppress_rebound()
 
