@@ -1,6 +1,7 @@
 """Detect legal but suspicious input in the assembled model: massless nodes, strains, states at the start."""
 
 import re
+from collections import Counter
 from functools import partial
 
 import numpy as np
@@ -32,7 +33,7 @@ FAR = 1e5  # length scales from the origin, where a double pendulum has errors o
 def suspicious_model(deck: Deck, system: System, s: State, length: float) -> list[Problem]:
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, started = [*_strain_warnings(deck, system, s)], [*_start_warnings(deck, system, s)]
-    massless = _massless(deck, system, s, length)
+    massless = [*_massless(deck, system, s, length), *_twists_without_inertia(deck)]
     size = extent(system.nodes)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system), *_wide(deck, size), *_bearings(deck, size)]
     firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
@@ -276,6 +277,26 @@ def _massless(deck, system, s, length):
         _knot(deck, place, nodes, knots[place]) if place in knots else _no_mass(deck, place, nodes, sorted(sorts))
         for (place, nodes), sorts in found.items()
     ]
+
+
+def _twists_without_inertia(deck):
+    """Yield a warning for each section that has mass, but none off its axis, where nothing else turns with its beams.
+
+    Inertia is taken as missing at inner nodes, and at nodes between two beams that belong to no body; not in statics.
+    """
+    elements = deck.values["elements"].values() if deck.values["time"] else ()
+    bodies = {name for d in elements if "inertia" in d for name in (d["node"], *(d.get("attached") or ()))}
+    for name, section in deck.values["sections"].items():
+        if section.get("mass_per_length") and not section["rotary_inertia"][0]:
+            beams = [d for d in elements if d["type"] == "beam" and d["section"] == section]
+            ends = Counter(node for d in beams for node in d["nodes"] if node not in bodies)
+            if any(d["mesh"] > 1 for d in beams) or any(n > 1 for n in ends.values()):
+                text = (
+                    f"section '{name}' has mass, but no rotary inertia about axis 1: the twist of its beams has no "
+                    "inertia, and steps may fail or be wrong; a plane section has mass_per_length times the sum of the "
+                    "squares of both radii of gyration"
+                )
+                yield Problem(text, deck.mark("sections", name))
 
 
 def _knot(deck, place, nodes, lines):
