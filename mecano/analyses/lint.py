@@ -284,10 +284,10 @@ def _twists_without_inertia(deck):
 
     Inertia is taken as missing at inner nodes, and at nodes between two beams that belong to no body; not in statics.
     """
-    elements = deck.values["elements"].values() if deck.values["time"] else ()
-    bodies = {name for d in elements if "inertia" in d for name in (d["node"], *(d.get("attached") or ()))}
-    for name, section in deck.values["sections"].items():
+    elements = deck.values["elements"].values()
+    for name, section in deck.values["sections"].items() if deck.values["time"] else ():
         if section.get("mass_per_length") and not section["rotary_inertia"][0]:
+            bodies = {node for d in elements if "inertia" in d for node in (d["node"], *(d.get("attached") or ()))}
             beams = [d for d in elements if d["type"] == "beam" and d["section"] == section]
             ends = Counter(node for d in beams for node in d["nodes"] if node not in bodies)
             if any(d["mesh"] > 1 for d in beams) or any(n > 1 for n in ends.values()):
