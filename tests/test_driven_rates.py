@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.analyses.response import ResponseRequest, response
 from mecano.errors import AssemblyError, DeckError
 from mecano.solve.modal.state_space import state_space
@@ -244,3 +245,19 @@ def test_steps_of_a_microsecond():
     text = PENDULUM.format(rate=SIGNAL.replace("2 +", "200 +"), step=1e-6, more="")
     m = RecordedRun(deck(text.replace("end: 2,", "end: 2e-5,")))
     np.testing.assert_allclose(m["joints/motor/moment"][0], known(0.0)[2], rtol=0.0, atol=1e-3)
+
+
+def test_a_model_that_only_drives_move_is_not_immobile():
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 1]}}
+        joints: {axes: {type: generic, nodes: [ground, a], axis: [0, 0, 1], GIVEN}}
+        time: {end: 1, step: 0.1}
+    """
+    warned = [
+        any("nothing can move" in text for text in warnings_of(prepare(deck(text.replace("GIVEN", given)))))
+        for given in ("driven_rates: {about_axis: 1}", "free: []")
+    ]
+    assert warned == [False, True]

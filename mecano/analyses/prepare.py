@@ -280,9 +280,14 @@ def warnings_of(prepared: Prepared) -> list[str]:
 def _is_immobile(prepared):
     """Return whether the constraints hold everything in place, and no event can change that."""
     elements = prepared.system.model.elements
-    driven = any(element.kind.drives(element.values) or element.values.get("driven") for element in elements)
+    driven = any(element.kind.drives(element.values) or _drives_an_axis(element.values) for element in elements)
     held = prepared.analysis.mobility == 0
     return held and not driven and prepared.system.n_events == 0
+
+
+def _drives_an_axis(values):
+    """Return whether the values of an element are those of a generic joint that drives an axis."""
+    return values.get("driven") or values.get("driven_rates")
 
 
 def amount_warnings(prepared: Prepared) -> list[str]:
