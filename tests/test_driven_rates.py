@@ -139,8 +139,8 @@ def test_a_rate_that_is_its_own_signal_is_refused():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("rate: 1, value: 0", "give one of 'value' and 'rate'"),
-        ("", "give one of 'value' and 'rate'"),
+        ("rate: 1, value: 0", "give exactly one of 'value', 'rate'"),
+        ("", "give exactly one of 'value', 'rate'"),
         ("rate: {step: {time: 1, rise: 0, from: 0, to: 1}}", "a set point must not jump"),
         ("rate: sign(hinge.angle)", "a set point must not jump"),
     ],

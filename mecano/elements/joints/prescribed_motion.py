@@ -60,7 +60,7 @@ def _prescribed(name, what, coordinate, constraint, place, motions=("value",), *
         return [drive_part(constraint, on, axes, drives(d)[0], zero, context, d[RATE] is not None)]
 
     def check(d, nodes):
-        once = [f"give one of {' and '.join(map(repr, names))}"] if len(drives(d)) != 1 else []
+        once = [f"give exactly one of {', '.join(map(repr, names))}"] if len(drives(d)) != 1 else []
         return once + also(d, nodes) + check_release(d, ())
 
     def variant(d):
