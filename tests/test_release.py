@@ -280,3 +280,23 @@ def test_a_released_drive_lets_go(name):
 def test_options_that_would_remain_are_refused(joint, other):
     with pytest.raises(DeckError, match=f"'release' and '{other}' exclude one another"):
         two_bodies(joint, "{time: 1}", 1e-3)
+
+
+def test_a_ball_joint_is_a_fuse():
+    """A pendulum that breaks off when its own force exceeds 2 m g: at sin(a) = 2/3 below the horizontal."""
+    text = """
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {weight: {position: [1, 0, 0]}, eye: {position: [0, 0, 0]}}
+        elements:
+          bar: {type: rigid_body, node: weight, mass: 1, inertia: [1e-9, 1e-9, 1e-9], attached: [eye]}
+        joints: {ball: {type: spherical, nodes: [ground, eye],
+          release: {when: "ball.force.x**2 + ball.force.z**2 > (2*9.81)**2"}}}
+        time: {end: 1, step: 1e-3}
+    """
+    m = RecordedRun(deck(text))
+    (released,) = m.event_records
+    at = np.searchsorted(m.time, released.t - 1e-12)
+    x, _, z = m["nodes/weight/position"][at]
+    assert math.asin(-z) == pytest.approx(math.asin(2.0 / 3.0), abs=1e-4) and math.hypot(x, z) == pytest.approx(1.0)
+    np.testing.assert_array_equal(m["joints/ball/force"][m.time > released.t + 1e-9], 0.0)
