@@ -7,6 +7,8 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, deck
 
+from mecano.errors import ConvergenceError
+
 S, g = "Contact", 9.81
 
 
@@ -148,3 +150,35 @@ def test_a_domino_topples_the_next(verify):
     verify(S, "domino: impulse [N s]", hit.impulse, impulse, source, relative=1e-5)
     verify(S, "domino: energy lost [J]", hit.lost, about_edge * before**2 / 4, source, relative=1e-5)
     assert [event.name for event in recorded.event_records if event.t == hit.t] == ["closes", "opens"]
+
+
+def test_a_ball_rolls_over_the_corner_of_two_rails_if_one_contact_is_elastic(verify):
+    """On the common end of both rails each rigid contact repeats the other, and neither opens where the ball leaves it.
+
+    A rolling ball has 7/5 of the kinetic energy of its translation.
+    """
+    radius, v, rough = 0.01, 0.2, "friction: {coefficient: 0.6, regularization: 0.1 mm/s}"
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, -{g}]
+        nodes: {{ball: {{position: [-0.02, 0, 0.011]}}}}
+        elements:
+          ball: {{type: rigid_body, node: ball, mass: 0.1, inertia: [4e-6, 4e-6, 4e-6]}}
+          flat:
+            {{type: contact, nodes: [ground, ball], radius: {radius}, {rough},
+             capsule: {{axis: [1, 0, 0], length: 0.1, radius: 1 mm, center: [-0.1, 0, 0]}}}}
+          slope:
+            {{type: contact, nodes: [ground, ball], radius: {radius}, {rough}, LAW
+             capsule: {{axis: [1, 0, -0.5], length: 0.2, radius: 1 mm, center: [0, 0, 0]}}}}
+        joints: {{plane: {{type: planar, nodes: [ground, ball], axis: [0, 1, 0]}}}}
+        initial:
+          velocities: [{{nodes: [ball], angular_velocity: [0, {v / radius}, 0], about: [-0.02, 0, 0.001]}}]
+        time: {{end: 0.25, step: 1 ms}}
+    """
+    with pytest.raises(ConvergenceError, match="contradict one another") as error:
+        RecordedRun(deck(text.replace("LAW", "")))
+    assert "a law in one of them" in str(error.value)
+    recorded = RecordedRun(deck(text.replace("LAW", "law: {polynomial: [0, 1.0e5]}, damping: 10,")))
+    fall = 0.011 - recorded["nodes/ball/position"][-1, 2]
+    speed = np.linalg.norm(recorded["nodes/ball/velocity"][-1])
+    verify(S, "ball over a corner: speed [m/s]", speed, math.sqrt(v**2 + 10 / 7 * g * fall), "energy", relative=2e-3)

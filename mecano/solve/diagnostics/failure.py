@@ -27,7 +27,8 @@ TRY = {
     Failure.NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); "
     "a smaller time.step or time.adaptive, if the motion so far looks wrong",
     Failure.CONTRADICTION: "remove one of these constraints, or make their laws of time consistent; where a linkage "
-    "comes to a flat or straight position, time.method: radau, which passes singular positions or names them",
+    "comes to a flat or straight position, time.method: radau, which passes singular positions or names them; where "
+    "rigid contacts meet two surfaces at their common edge, a law in one of them",
     Failure.SINGULAR: "a mass, an inertia or a stiffness where one is missing above; `mecano check` for mechanisms",
     Failure.NOT_CONVERGED: "a smaller time.step; a time.rho_inf of 0.9 or less, as near 1 errors of constraints "
     "grow (not of radau); laws without jumps near this state; `mecano check` for redundant constraints and mechanisms",
