@@ -58,14 +58,13 @@ def loose_followers(values: Values, kinds: Mapping[str, Kind]) -> Iterator[Locat
     """Yield (path, text) on followers that may leave the plane of their curve, and that nothing else holds."""
     body, at = bodies(values, kinds, turning_together), _around(values, kinds)
     for name, d in values["joints"].items():
-        if d.get("across") == "free" and len(at[next(iter(body(d["nodes"][1:])))]) == 1 and d["nodes"][1] != GROUND:
-            text = (
-                f"nothing but {quoted(name)} holds node {quoted(d['nodes'][1])}, which may leave the plane of the curve"
-            )
-            yield (
-                ("joints", name, "across"),
-                f"{d['type']} {quoted(name)}: {text}; is a guide missing, or 'across: held'?",
-            )
+        if d.get("across") != "free" or (node := d["nodes"][1]) == GROUND:
+            continue
+        (one,) = body([node])
+        if len(at[one]) == 1:
+            text = f"nothing but {quoted(name)} holds node {quoted(node)}, which may leave the plane of the curve"
+            text = f"{d['type']} {quoted(name)}: {text}; is a guide missing, or 'across: held'?"
+            yield ("joints", name, "across"), text
 
 
 def acting_on_released(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
