@@ -39,6 +39,7 @@ PLOTS = {
     "elastic_drive": "drive.angle,copy.angle",
     "fiala_sweep": "*.lateral_force",
     "filters": "integral.value,washout.value,second_order.value",
+    "flutter": "plunge.displacement,pitch.angle",
     "gear_stages": "loose.transmission_error,elastic.transmission_error",
     "landing_roll": "wheel.normal_force",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
