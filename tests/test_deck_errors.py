@@ -78,6 +78,8 @@ STRUCTURE = [
      "a key must be a name, got '100.5'; write 7100.5"),
     ("mass: 7e1", "mass: 7'000", 12, "7'000",
      "body 'leg': 'mass' must be a number [kg], got the text \"7'000\"; write 7000"),
+    ("mass: 7e1", "mass: np.float64(7.5)", 12, "np.",
+     "body 'leg': 'mass' must be a number [kg], got the text 'np.float64(7.5)'; write 7.5"),
     ("mass: 7e1", "mass: 7 000", 12, "000,",
      "body 'leg': the expression '7 000' cannot be understood; write 7000"),
     ("mass: 7e1", "mass: 7·10^3 kg", 12, "7·10",

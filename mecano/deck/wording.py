@@ -19,6 +19,7 @@ SLIPS = (  # as typed, as read
     (r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))", ""),
     (r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)", ""), ("(?<=[0-9]),(?=[0-9])", "."),
     (r"\s*[x*·×]\s*10\s*(?:\^|\*\*)\s*", "e"), (r"^10\s*\^", "1e"),
+    (r"^np\.\w+\((.*)\)$", r"\1"),
 )  # fmt: skip
 THOUSANDS_COMMA = r"[^,.]*[0-9],[0-9]{3}(?![0-9])[^,.]*"
 LISTS = ("vector", "direction", "inertia", "numbers", "nodes")  # types whose values are lists
