@@ -94,6 +94,18 @@ def test_a_spring_without_force_is_a_gauge_and_not_drawn(law, drawn):
     assert bool(SHAPES["spring"](motion, "gauge", {"nodes": ["a", "b"], "law": law})) == drawn
 
 
+@pytest.mark.parametrize(("centre", "drawn"), [([0.4, 0.0, 0.0], 2), ([0.0, 0.4, 0.0], 3), ([0.0, 0.1, 0.0], 2)])
+def test_a_body_reaches_to_a_centre_of_mass_far_from_its_nodes(centre, drawn):
+    """The nodes are 0.2 m apart, the centre 0.2 m, 0.4 m and 0.1 m from the nearest."""
+    points = {"a": np.zeros((1, 3)), "b": np.array([[0.2, 0.0, 0.0]])}
+    run = SimpleNamespace(paths={"elements/blade/center_of_mass"})
+    motion = SimpleNamespace(
+        nodes=list(points), position=points.__getitem__, vector=lambda path: np.array([centre]), run=run
+    )
+    (shape,) = SHAPES["body"](motion, "blade", {"node": "a", "attached": ["b"]})
+    assert shape.points.shape[1] == drawn
+
+
 @pytest.mark.parametrize("joints", [{}, {"pin": {"type": "hinge"}}])
 def test_a_force_along_a_line_is_an_actuator_of_a_mechanism_and_not_the_attraction_of_free_bodies(joints):
     points = {"a": np.zeros((1, 3)), "b": np.ones((1, 3))}

@@ -175,14 +175,24 @@ def _body(motion, name, d):
     nodes = [node for node in dict.fromkeys([d["node"], *d.get("attached", ())]) if node in motion.nodes]
     points = [motion.position(node) for node in nodes]
     path = f"elements/{name}/center_of_mass"
-    if len(points) < 2 and path in motion.run.paths:
+    if path in motion.run.paths:
         centre = motion.vector(path)
-        if not points or np.abs(centre - points[0]).max(initial=0.0) > 1e-9:
+        away = not points or np.abs(centre - points[0]).max(initial=0.0) > 1e-9
+        if (len(points) < 2 and away) or _far(centre, points):
             points.append(centre)
             nodes.append("")
     if not points:
         return []
     return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1), tuple(nodes))]
+
+
+def _far(centre, points):
+    """Return whether the centre of mass of a body is farther from all of its nodes than these from one another."""
+    at = np.array([point[:1] for point in points]).reshape(-1, 3)
+    if len(at) < 2 or not len(centre):
+        return False
+    spread = np.linalg.norm(at[:, None] - at, axis=2).max()
+    return bool(np.linalg.norm(at - centre[0], axis=1).min() > max(spread, 1e-9))
 
 
 def _with_corners(shape, corners):
