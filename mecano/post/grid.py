@@ -118,9 +118,8 @@ class _Points:
 
 def _cells(run, shape, points):
     """Yield (owner in the file, cell) of each cell of a shape."""
-    owner = f"elements/{shape.name}"
-    if shape.style == JOINT or owner not in run.things:
-        owner = f"joints/{shape.name}"
+    sections = ("joints",) if shape.style == JOINT else ("elements", "joints", "loads")
+    owner = next(name for name in (f"{section}/{shape.name}" for section in sections) if name in run.things)
     pieces = piece_names(shape.name, run.things[owner])
     if len(pieces) > 1:
         for piece, ends in zip(pieces, zip(points[:-1], points[1:], strict=True), strict=True):
