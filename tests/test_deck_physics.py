@@ -156,7 +156,7 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
             "unknown key 'motor'",
             "a torque is a load, {type: joint_moment",
         ),
-        ("value: 1.0", "value: 1.0, speed: 2", "unknown key 'speed'", "a motion at a constant rate has the"),
+        ("value: 1.0", "value: 1.0, speed: 2", "unknown key 'speed'", "here it is called 'rate'"),
         (
             "time:",
             "initial: {angles: {pin: 1}}\ntime:",
