@@ -133,6 +133,35 @@ def test_what_grows_is_not_called_small(angle, counts_whole):
     assert (method.bounded_error(s, history, info) == info.error) == counts_whole
 
 
+def test_steps_of_a_beam_on_a_hinge_are_not_those_of_its_fast_modes():
+    """A spring unfolds a tube: the error is within the tolerance in a fifth of the steps that its fast modes ask for.
+
+    The multipliers of the hinge have no diagonal: factors with rows exchanged would not tell stable from unstable.
+    """
+
+    def unfolded(tolerance):
+        run = RecordedRun(
+            deck(f"""
+            mecano: 1
+            gravity: none
+            sections: {{tube: {{type: tube, diameter: 30 mm, thickness: 1 mm, E: 120 GPa, nu: 0.3, density: 1600}}}}
+            nodes: {{root: {{position: [0, 0, 0]}}, tip: {{position: [2, 0, 0]}}}}
+            elements:
+              rib: {{type: beam, nodes: [root, tip], section: tube, mesh: 4}}
+              mass: {{type: point_mass, node: tip, mass: 0.3}}
+            joints:
+              hinge: {{type: hinge, nodes: [ground, root], axis: [0, 1, 0], natural_angle: 75 deg,
+                       turning_law: {{spring: 1.2, damper: 0.5}}}}
+            time: {{end: 0.5, step: 1 ms, rho_inf: 0.5, adaptive: {{tolerance: {tolerance}}}}}
+        """)
+        )
+        return run.run.steps, run["nodes/tip/position"][-1]
+
+    (steps, found), (_, expected) = unfolded(1e-4), unfolded(1e-6)
+    assert steps < 1000
+    np.testing.assert_allclose(found, expected, atol=2e-4)
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
 def test_the_motion_between_long_steps_keeps_to_the_tolerance(tolerance, tmp_path):
     """A load of 2 kg follows the set point of its stiff spring (24 rad/s), in steps of up to 0.7 s."""

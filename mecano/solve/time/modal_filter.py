@@ -110,21 +110,22 @@ def negative_pivots(w, f):
 def filter_fields(system: System, linear: LinearSolver) -> tuple[dict[str, int], tuple[object, ...]]:
     """Return the values of the fields FLOATS and WORDS for a system, and the objects that own the arrays.
 
-    The factor is that of a twin of the LinearSolver ``linear``, which keeps its own.
+    The factor is that of another solver for the pattern of ``linear``. It exchanges no rows, so that the signs of its
+    pivots are those of the eigenvalues.
     """
-    assembly, twin = Assembly(system), linear.twin()
+    assembly, solver = Assembly(system), LinearSolver(linear.pattern, 0.0, linear.analysis)
     right, solution = np.zeros(system.n), np.zeros(system.n)
-    new, kept = twin.calls(assembly.data, right, solution)
+    new, kept = solver.calls(assembly.data, right, solution)
     mirrored = _mirrored(system)
     arrays = {
         "system": assembly.record, "mirrored": mirrored, "masses": np.zeros(system.nnz), "right": right,
         "solution": solution,
-        "pivots": twin.pivots_by_position, "solve_results": np.zeros(len(multifrontal.solve.returns)),
+        "pivots": solver.pivots_by_position, "solve_results": np.zeros(len(multifrontal.solve.returns)),
         "solve_words": new.words, "substitute_words": kept.words,
     }  # fmt: skip
     values = {name: array.ctypes.data for name, array in arrays.items()}
     values |= {"solve": new.function, "substitute": kept.function, "n_mirrored": len(mirrored)}
-    return values, (assembly, twin, new, kept, arrays)
+    return values, (assembly, solver, new, kept, arrays)
 
 
 def _mirrored(system):

@@ -51,6 +51,7 @@ from mecano.solve.time.workspace import (
 )
 
 PROBE = 50  # steps between two computations of the bounded error of steps that their plain error keeps short
+WORTH = 3.0  # growth of steps, each of which then computes the bounded error, too, with two factorizations
 
 ENOUGH, DECIDE, REPEAT, WAIT, RECORDED, RESTART = range(6)  # why the call ends
 ADVANCED, AGAIN = 6, 7  # it goes on, with the next phase or with another trial
@@ -173,7 +174,10 @@ def tried(m, w, o):
         return AGAIN
     if happens(m, w, state_of(w, TRIAL)) or passes(m, w):
         return REPEAT if m.rejections else DECIDE
-    accept(m, w, o, bounded(m, w, plain) if is_probe(m, w, error, share) else error, share)
+    if is_probe(m, w, error, share):
+        found = bounded(m, w, plain)
+        error = found if factor(found, share) >= WORTH else error
+    accept(m, w, o, error, share)
     return ADVANCED
 
 
