@@ -31,9 +31,6 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
         "turning_law",
         "a torque is a load, {type: joint_moment, joint: ..., value: ...}; a given motion is a joint 'prescribed_angle'"
     ),
-    ("speed", "rate", "velocity", "angular_velocity"): (
-        "value", "a motion at a constant rate has the value {linear: {slope: ...}}"
-    ),
     ("angle", "angles", "position", "positions", "displacement", "displacements"): (
         "velocities", "the positions at the start are those of the nodes"
     ),
