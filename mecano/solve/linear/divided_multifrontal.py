@@ -24,7 +24,7 @@ from mecano.solve.linear.multifrontal import (
     forward,
     refine,
 )
-from mecano.solve.linear.symbolic_analysis import FIRST, PIVOTS, SIZE, padded
+from mecano.solve.linear.symbolic_analysis import FIRST, PIVOTS, SIZE, work_length
 
 OWN = SIZES, ORDERED, WORK = range(3)  # rows (n + STRIP,) of a half: MAGNITUDE, PERMUTED and FRONT of multifrontal.py
 CURRENT = DATA, LENGTH, B, X = range(4)  # addresses of the current arrays, and the length of the first
@@ -152,7 +152,7 @@ class Parts:
         own, current = np.zeros((PARTS, len(OWN), lu.vectors.shape[1])), np.zeros(len(CURRENT), np.int64)
         calls = {FACTOR: [], FORWARD: [], BACKWARD: []}
         for i, (begin, end, *_) in enumerate(ranges):
-            here, scratch, null = (current, ranges[i]), np.zeros(_largest(fronts[begin:end])), nulls[i : i + 1]
+            here, scratch, null = (current, ranges[i]), np.zeros(_work_length(fronts[begin:end])), nulls[i : i + 1]
             calls[FACTOR].append(
                 factor_half.call_from_compiled_code(*here, tolerance, scratch, stack, lu, own[i], null)
             )
@@ -162,7 +162,7 @@ class Parts:
         tasks = np.array([(calls[task][0].function, words[task].ctypes.data, words[task].strides[0]) for task in TASKS])
         self._kept = calls, words
         self.halves = Halves(own, current, ranges, thread_pool.pool(), tasks)
-        self.work = Work(np.zeros(_largest(fronts[ranges[-1, END] :])), stack, nulls)
+        self.work = Work(np.zeros(_work_length(fronts[ranges[-1, END] :])), stack, nulls)
 
 
 def _ranges(analysis):
@@ -174,7 +174,6 @@ def _ranges(analysis):
     return np.array([begins, ends, lows, highs, np.full(PARTS, highs[-1])], np.int64).T.copy()
 
 
-def _largest(fronts):
+def _work_length(fronts):
     """Return the length of the work array for one of these fronts."""
-    largest = int(fronts[:, SIZE].max(initial=0))
-    return largest * (padded(largest) + 2)
+    return work_length(int(fronts[:, SIZE].max(initial=0)))

@@ -16,7 +16,7 @@ from mecano.solve.linear.multifrontal import (
     Factor,
     Substitution,
 )
-from mecano.solve.linear.symbolic_analysis import ENTRIES, Analysis, Pattern, analyse, padded
+from mecano.solve.linear.symbolic_analysis import ENTRIES, Analysis, Pattern, analyse, padded, work_length
 
 if TYPE_CHECKING:
     from mecano.jit.entry import PackedCall
@@ -86,7 +86,7 @@ class LinearSolver:
         self._substitute_arguments: tuple
         self._solve_arguments: tuple
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
-        scratch = np.zeros(analysis.largest * (padded(analysis.largest) + 2) + analysis.stack_length)
+        scratch = np.zeros(work_length(analysis.largest) + analysis.stack_length)
         self._substitute_arguments = (self._lu,)
         self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._substitution()
 

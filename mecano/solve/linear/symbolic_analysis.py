@@ -343,6 +343,11 @@ def padded(count: Count) -> Count:
     return (count + STRIP - 1) // STRIP * STRIP
 
 
+def work_length(largest: int) -> int:
+    """Return the numbers of work for fronts of up to ``largest`` rows: the front, and two integers for each row."""
+    return largest * (padded(largest) + 2)
+
+
 def _by_rows(n, rows, cols):
     """Return the pattern by rows, for the residual: row starts, columns of the entries, their indices in data."""
     keys = rows * n + cols
