@@ -252,7 +252,7 @@ def test_a_killed_study_leaves_no_orphans(folder, started, executor, further, pr
     for file in files:
         with mecano.open_results(file) as results:
             assert results.status == "stopped" and "SIGTERM" in results.reason and results.checkpoint is not None
-    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "1")
+    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "2")
     assert code == 3 and f"{(n := 4 if further else 2)} cases: {n} stopped" in out
 
 

@@ -24,9 +24,13 @@ _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
 def chunk_shape(width: int) -> tuple[int, int]:
-    """Return rows and columns of a chunk: about 1 MB per row of chunks, 64 KB per chunk, to read one series fast."""
+    """Return rows and columns of a chunk: about 1 MB per row of chunks, some 64 KB per chunk, to read one series fast.
+
+    The columns are divided evenly: the file also holds those that chunks have beyond ``width``.
+    """
     rows = min(max(1 << max(BLOCK_NUMBERS // width, 1).bit_length() - 1, 16), 1024)
-    return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
+    chunks = max(width * rows // CHUNK_NUMBERS, 1)
+    return rows, -(-width // chunks)
 
 
 def describe(item: h5py.Dataset | h5py.Group, **texts: str) -> None:
