@@ -24,6 +24,13 @@ rigid motion of the whole model. Every kind is also used by a deck of `inputs/`.
 of their own. `mecano check-kind` runs these tests on [kinds of your own](../plugins.md).
 """
 LIMITS = """
+## Another program
+
+300 random mechanisms of two to seven rigid bodies were compared with Pinocchio 4.1: trees of hinges, prismatic,
+cylindrical, planar, spherical and universal joints and screws, with springs, dampers and up to two loops. Positions,
+velocities, coordinates of joints and reactions after one second, 10109 outputs, agree within 5.1e-9 of their size
+(`python tests/benchmarks/pinocchio_side.py 1 300`, commit ba38e1e5, 2026-12-01).
+
 ## Published results
 
 Both examples of the paper that mecano follows are reproduced and compared: the [landing
@@ -39,7 +46,7 @@ gear](../examples/nose_landing_gear.md) and the [reflector](../examples/reflecto
   solution; with redundant constraints the motion depends on the real compliances.
 * [Redundant constraints](../theory.md#3-redundant-constraints): the motion is unique, single reactions are not, and are
   marked as such.
-* [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together; no Coulomb friction.
+* [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together.
 * [Error control](../step-control.md): bounds displacements and rotations, but not stresses and reactions of vibrations
   that the steps do not resolve; a warning names them.
 * [Reliability](../reliability.md): known failures that are not fixed are listed below its table.
