@@ -1,6 +1,6 @@
 """The equations of a model, batch by batch: residual, tangent, constraint derivatives, outputs, energies."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -250,30 +250,6 @@ class System:
     def forces(self, s: State) -> np.ndarray:
         """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
         return self.assemble(s, into=self.kept(Assembly)).forces.copy()
-
-    def each_alone(self, s: State) -> Iterator[tuple[str, Assembly]]:
-        """Yield (name, Assembly at ``s``, all weights one) of each element; the next one overwrites the Assembly.
-
-        Basic constraints and parts are included, with the name of the element to which they belong.
-        """
-        alone = Assembly(self)
-        for b in self.batches:
-            if (calls := calls_of(b.kind, loops.tangent)) is None:
-                continue
-            for e in range(len(b.p)):
-                alone_in_loop = Loops(np.array([calls.loop], np.int64), calling(b.record_of(e), calls))
-                assemble = assembly_driver.assemble.bind(alone_in_loop)
-                assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
-                yield b.names[e], alone
-
-    def not_finite(self, s: State) -> list[str]:
-        """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
-        found = [
-            name
-            for name, alone in self.each_alone(s)
-            if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all())
-        ]
-        return list(dict.fromkeys(found))
 
     def add_constraints(self, s: State, k: float, penalty: float, data: np.ndarray, rates: bool = True) -> None:
         """Add constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``, multipliers apart.

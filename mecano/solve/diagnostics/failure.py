@@ -85,7 +85,9 @@ def with_sources(error: NonFiniteError, system: System, s: State) -> NonFiniteEr
 
     ``s`` is the last accepted state: later, one such element makes all others non-finite.
     """
-    found = system.not_finite(s)
+    from mecano.model.each_element import elements_not_finite  # rarely needed
+
+    found = elements_not_finite(system, s)
     if not found:
         return error
     first, _, rest = str(error).partition("\n")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import name_list
+from mecano.model.each_element import each_alone
 from mecano.model.numbering import SIGNAL
 from mecano.solve.modal.free_spins import roll, turning, unturned
 
@@ -162,7 +163,7 @@ class Straight:
     def _sums(self, steady, s):
         """Return {name of an element: sum (3,) of its forces [N]}."""
         sums: dict[str, np.ndarray] = {}
-        for name, alone in steady.system.each_alone(s):
+        for name, alone in each_alone(steady.system, s):
             sums[name] = sums.get(name, 0.0) + alone.residual[: self.n_q][self.free].sum(axis=0)
         return sums
 
