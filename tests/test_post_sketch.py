@@ -10,11 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mecano.elements import KINDS
-from mecano.post.draw_sketch import draw_sketch, hull, zigzag
+from mecano.post.draw_sketch import MOST_PARTS, colours_of, draw_sketch, hull, zigzag
 from mecano.post.ground import ground_patch, grounds_near
 from mecano.post.mode_shapes import MOST_TURN, _title, mode_sketches
 from mecano.post.runs import open_runs
-from mecano.post.shapes import BODY, JOINT, MASS, SPRING, SUPPORT, WHEEL, Shape
+from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL, Shape
 from mecano.post.sketch import _instants, _shift, plane_axes, sketch
 from mecano.post.view_direction import direction, projection
 
@@ -137,6 +137,16 @@ def test_instants_follow_the_motion():
     cloud[:, 1, 0] = 1.0 + np.clip(times - 8.0, 0.0, 1.0)  # moves from 8 to 9 s only
     chosen = times[_instants(times, cloud)]
     assert chosen[0] == 0.0 and chosen[-1] == 10.0 and np.sum((chosen >= 8.0) & (chosen <= 9.0)) >= 3
+
+
+def test_many_shapes_have_colours_of_their_styles():
+    points = np.zeros((1, 2, 3))
+    rods = [Shape(ROD, f"rod {i}", points) for i in range(MOST_PARTS - 1)]
+    masses = [Shape(MASS, f"mass {i}", points[:, :1]) for i in range(2)]
+    few, many = colours_of([*rods, masses[0]]), colours_of([*rods, *masses])
+    assert few["rod 0"] != few["rod 1"]
+    assert len({many[rod.name] for rod in rods}) == 1
+    assert many["mass 0"] == many["mass 1"] != many["rod 0"]
 
 
 def test_outlines():

@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "images" / "gallery"
 PLOTS = {
     "anti_skid": "tyre.slip_ratio",
-    "base_excitation": "table.position.z,weight.position.z",
+    "base_excitation": "table.velocity.z,weight.velocity.z",
     "bicycle": "frame.angular_velocity.x",
     "binding_strut": "rail_1.displacement,rail_2.displacement",
     "boom_in_sun": "tip.position.z",

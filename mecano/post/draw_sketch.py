@@ -23,6 +23,7 @@ BESIDE = (-28.0, 20.0)  # points, of the compass, where the first instant is in 
 FAINTEST = 0.12  # opacity of the first instant if instants are superimposed
 COILS = 5
 MOST_NAMES = 8
+MOST_PARTS = 24  # coloured one by one
 NARROW, WIDE = 3.7, 8.0  # inches, of axes
 LABEL_WIDTH = 0.6  # inches, of the time of an instant
 MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
@@ -68,8 +69,15 @@ def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = Tru
 
 def colours_of(shapes: "Sequence[Shape]") -> dict[str, str]:
     """Return the colours of all named shapes except joints and supports: name -> colour."""
-    names = [s.name for s in shapes if s.style not in (JOINT, SUPPORT)]
-    return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(dict.fromkeys(names))}
+    keys = _coloured(shapes)
+    order = list(dict.fromkeys(keys.values()))
+    return {name: COLOURS[order.index(key) % len(COLOURS)] for name, key in keys.items()}
+
+
+def _coloured(shapes):
+    """Return {name: what its colour means}: the name itself; of more than MOST_PARTS names, the style."""
+    styles = {s.name: s.style for s in shapes if s.style not in (JOINT, SUPPORT)}
+    return styles if len(styles) > MOST_PARTS else {name: name for name in styles}
 
 
 def draw_shapes(
@@ -103,9 +111,10 @@ def _pieces(points, colour):
 
 def _draw_legend(ax, colours, sketch):
     """Draw the legend, and return its height in points."""
-    if not 1 < len(colours) <= MOST_NAMES:
+    meanings = {key: colours[name] for name, key in _coloured(sketch.shapes).items()}
+    if not 1 < len(meanings) <= MOST_NAMES:
         return 0.0
-    handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
+    handles = [Line2D([], [], color=colour, linewidth=3, label=text) for text, colour in meanings.items()]
     return legend_above(ax, handles, WIDE if sketch.wide else NARROW)
 
 
