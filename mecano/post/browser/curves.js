@@ -44,7 +44,7 @@ class Curves {
       scales: { x: { time: false }, y: { range: (_, low, high) => spread(low, high) } },
       axes: [{ ...axis, size: 26 }, { ...axis, size: 58, space: 16 }], // low panels, too, have two numbers
       series: [{ label: named, value: (_, v) => (v === null ? "" : `${number(v)} ${of}`) }, ...panel.curves.map(([name, , reference], i) => ({
-        label: name, stroke: INKS[i % INKS.length] + (reference ? "66" : ""), width: reference ? 4 : 1.5, points: { show: false },
+        label: name, stroke: INKS[i % INKS.length] + (reference ? "66" : ""), width: reference ? 4 : 1.5, points: { show: false }, pxAlign: 0,
         value: (_, v) => (v === null ? "" : number(Math.abs(v) * factor < ROUNDING * largest ? 0 : v)),
       }))],
       hooks: { draw: [plot => this.mark(plot)], ready: [plot => this.point(plot)] },
