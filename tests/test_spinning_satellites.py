@@ -135,3 +135,42 @@ def test_a_string_that_is_whirled_about_its_end(verify):
     verify(
         S, "whirled string of 40 cables: frequencies [rad/s]", found, wanted, "polynomials of Legendre", relative=3e-3
     )
+
+
+def of_dumbbell(across, EI=60.0, mu=0.8, L=3.0, m=0.7, n=15.0, terms=10):
+    """Circular frequencies of a beam with a mass at each end that spins about its middle, by Ritz's method.
+
+    ``across``: out of the plane of the rotation, otherwise in it, where the centrifugal force reduces the stiffness.
+    """
+    x, weights = np.polynomial.legendre.leggauss(2 * terms)
+    powers = [np.polynomial.Polynomial.basis(k) for k in range(terms)]
+    w, slope, bend = (np.array([p.deriv(d)(x) * (2.0 / L) ** d for p in powers]) for d in (0, 1, 2))
+    weights = weights * L / 2.0
+    ends = np.array([[p(-1.0), p(1.0)] for p in powers])
+    tension = n**2 * (m * L / 2.0 + mu * (L / 2.0) ** 2 * (1.0 - x**2) / 2.0)
+    M = mu * (w * weights) @ w.T + m * ends @ ends.T
+    K = EI * (bend * weights) @ bend.T + (slope * weights * tension) @ slope.T
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)[2:6]  # without translation and tilt
+    return np.sqrt(squares if across else squares - n**2)
+
+
+def test_a_free_boom_that_spins_bends_and_does_not_flutter(verify):
+    """Its drift is a double eigenvalue i n in axes that turn at n, which rounding splits: half of it would grow."""
+    text = """
+        mecano: 1
+        gravity: none
+        sections: {s: {type: stiffness, EA: 1e8, GA2: 1e8, GA3: 1e8, GJ: 1e3, EI2: 60, EI3: 60, mass_per_length: 0.8,
+                       rotary_inertia: [1e-3, 0, 0]}}
+        nodes: {a: {position: [-1.5, 0, 0]}, b: {position: [1.5, 0, 0]}, c: {position: [0, 0, 0]}}
+        elements:
+          left: {type: beam, nodes: [a, c], section: s, mesh: 12}
+          right: {type: beam, nodes: [c, b], section: s, mesh: 12}
+          end_$i: {repeat: {i: [a, b]}, type: point_mass, node: $i, mass: 0.7}
+        initial: {steady: {angular_velocity: [0, 0, 15], about: [0, 0, 0]}}
+        time: {end: 1, step: 1 ms}
+    """
+    _, found, _ = modes(deck(text), None, number=14, frame="0,0,15")
+    assert set(found.kinds) == {"free", "oscillation"}
+    wanted = np.concatenate([of_dumbbell(True), of_dumbbell(False)])
+    seen_ones = nearest(found.values, 1j * wanted).imag
+    verify(S, "spinning boom with masses at its ends: frequencies [rad/s]", seen_ones, wanted, "Ritz", relative=2e-3)

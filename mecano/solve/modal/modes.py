@@ -32,6 +32,7 @@ REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
 EQUAL = 1e-6  # relative difference of moduli up to which rounding determines their order
+DRIFTS = 1e-3  # of the terms of (2 value M + C) y, and of a value: rounding of a drift in axes that turn
 GROWING = ("flutter", "divergence")
 FIRST, MOST = 40, 320  # modes of a large model that are computed first, and at most, to find all of a range
 
@@ -135,6 +136,9 @@ def _found(scaled, lin, number, method):
     exact = method == "dense" and scaled.on_velocity.any() and np.sum(values == 0.0) >= len(free)  # zeros are deflated
     found = _plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes, free)
     values, shapes = _one_of_each_pair(*found)
+    for i in np.flatnonzero(unstable(values) & (values.real <= DRIFTS * np.abs(values.imag))):
+        if _is_drift(scaled, values[i], shapes[i]):
+            values[i] = 1j * values[i].imag
     chosen = _lowest(values, number)
     residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
     free = values[chosen] == 0.0
@@ -292,6 +296,17 @@ def _is_free(scaled, value, y, largest):
         return False
     error = np.linalg.norm(_strain(scaled, y))  # no inertia or damping balances it: an error of the shape
     return error <= CONVERGED * size
+
+
+def _is_drift(scaled, value, y):
+    r"""Return whether the pair is a drift of a free body in turning axes: :math:`y\, t e^{\lambda t}` is a motion, too.
+
+    Then :math:`(2 \lambda M + C)\, y` vanishes up to multipliers, and rounding splits the double eigenvalue.
+    """
+    inertia, turning = 2.0 * value * (scaled.M @ y), scaled.C @ y
+    r = inertia + turning
+    r = r + scaled.D @ scaled.balancing_multipliers(r) if scaled.D.shape[1] else r
+    return np.linalg.norm(r) <= DRIFTS * np.linalg.norm(inertia)
 
 
 def _one_of_each_pair(values, shapes):
