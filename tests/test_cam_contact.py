@@ -99,6 +99,20 @@ def test_cams_that_a_roller_cannot_follow_are_refused(change, message):
     assert any(message in problem.message for problem in info.value.problems)
 
 
+@pytest.mark.parametrize("beyond", [0, 10])
+def test_a_table_of_a_cam_that_is_not_level_at_its_ends_needs_points_beyond_them(beyond):
+    """A circle of 30 mm whose centre is 6 mm from the axis, every 5 degrees, from its flank on."""
+    angle = np.radians(5.0) * np.arange(-beyond, 73 + beyond)
+    radius = 6.0 * np.sin(angle) + np.sqrt(30.0**2 - (6.0 * np.cos(angle)) ** 2)
+    points = ", ".join(f"[{a!r}, {r / 1e3!r}]" for a, r in zip(angle.tolist(), radius.tolist(), strict=True))
+    change = f"laws.lift={{table: {{points: [{points}], interpolation: spline}}}}"
+    if not beyond:
+        with pytest.raises(DeckError, match="repeat ten points of a table beyond both ends"):
+            input_deck("cam_float", change)
+    else:
+        input_deck("cam_float", change)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_gap_of_a_face_is_to_the_farthest_point_of_the_profile(seed):
     """The least distance from the face of many points of the curve, also of a face that is not parallel to the axis."""

@@ -126,7 +126,7 @@ def _not_smooth(profile):
     if max(abs(end - start), abs(last - first)) > CLOSED * abs(start):
         return [
             f"'cam.profile' must be closed: its radius and slope are {start:.6g} m and {first:.6g} m/rad at 0, but "
-            f"{end:.6g} m and {last:.6g} m/rad after a turn (360 deg)"
+            f"{end:.6g} m and {last:.6g} m/rad after a turn (360 deg); repeat ten points of a table beyond both ends"
         ]
     return []
 
