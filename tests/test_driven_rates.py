@@ -53,6 +53,12 @@ def test_a_law_of_the_rate_has_no_drift():
     np.testing.assert_allclose(m["joints/hinge/angle"], 20.0 * np.pi * m.time, rtol=0.0, atol=2e-12)
 
 
+@pytest.mark.parametrize(("rate", "begins"), [("{linear: {slope: 0.5}}", 0.25), ("0.5*time", 0.0)])
+def test_a_law_turns_from_the_time_0_and_a_formula_from_the_start(rate, begins):
+    m = pendulum(rate, 1e-2, ", start: 1")
+    np.testing.assert_allclose(m["joints/hinge/angle"], begins + 0.25 * (m.time**2 - 1.0), rtol=0.0, atol=1e-12)
+
+
 def test_radau_follows_a_signal():
     m = pendulum(SIGNAL, 1e-2, ", method: radau")
     for name, value, within in zip(("angle", "rate", "moment"), known(m.time), (1e-9, 1e-12, 1e-6), strict=True):

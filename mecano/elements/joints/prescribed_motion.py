@@ -7,7 +7,7 @@ node b relative to node a about an axis that another joint keeps aligned (``pres
 :math:`|x_b - x_a|` of two nodes, whose ends rotate freely (``prescribed_length``). c_0 is its value in the deck, or
 zero if the deck gives the distance itself; an angle may cover many turns. f is a law of time or a formula of the time.
 The ``rate`` u is a law of time, integrated exactly, or a formula of signals: then :math:`\dot c - u = 0` is a
-constraint on velocities, and c follows from the integration in time.
+constraint on velocities, and c follows from the integration in time, from c_0 at the start of the run on.
 The multiplier is the load along c: a force along n, a moment on b about the axis, or a force that pushes the nodes
 apart. With a ``release`` the drive lets go. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings; with
 a rate, :math:`k\lambda\, u`.
@@ -80,7 +80,7 @@ def _prescribed(name, what, coordinate, constraint, place, motions=("value",), *
 
 def _rate_field(coordinate):
     """Return the field of the rate of a ``coordinate``."""
-    doc = "rate, instead: a law of time or a formula of signals; the motion is its integral from the time 0"
+    doc = "rate, instead: its integral is the motion, of a law from the time 0, of a formula from the start of the run"
     return Field(RATE, CONTINUOUS_DRIVE, f"{coordinate.unit}/s", doc, None)
 
 
