@@ -32,7 +32,7 @@ REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
 EQUAL = 1e-6  # relative difference of moduli up to which rounding determines their order
-DRIFTS = 1e-3  # of the terms of (2 value M + C) y, and of a value: rounding of a drift in axes that turn
+DRIFTS = 1e-2  # of the terms of (2 value M + C) y, and of a value: rounding of a drift in axes that turn
 GROWING = ("flutter", "divergence")
 FIRST, MOST = 40, 320  # modes of a large model that are computed first, and at most, to find all of a range
 
@@ -132,6 +132,7 @@ def poles_up_to(lin: Linearization, omega: float) -> np.ndarray:
 def _found(scaled, lin, number, method):
     """Return the Modes of a method."""
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
+    values, shapes = (values, shapes) if method == "dense" else _without_chains(scaled, values, shapes)
     free = _free_shapes(scaled) if method == "dense" else np.zeros((0, scaled.n_q))
     exact = method == "dense" and scaled.on_velocity.any() and np.sum(values == 0.0) >= len(free)  # zeros are deflated
     found = _plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes, free)
@@ -217,6 +218,22 @@ def _with_free(scaled, values, shapes, further):
     return np.concatenate([np.zeros(len(free)), values[left]]), np.concatenate([separated_basis(free), shapes[left]])
 
 
+def _without_chains(scaled, values, shapes):
+    """Return the pairs, with zero for both values of a double zero that rounding has split into opposite values.
+
+    Their shapes are y + value z and y - value z, with a motion y without stiffness, as of a rotor that turns freely.
+    """
+    found, even = values.copy(), shapes.copy()
+    for i, (value, y) in enumerate(zip(values, shapes, strict=True)):
+        j = np.argmin(np.abs(values + value))
+        if abs(values[j] + value) > TWINS * abs(value) or _forces(scaled, value, y) > FREE * _terms(scaled, y):
+            continue
+        both = y + np.exp(1j * np.angle(np.vdot(shapes[j], y))) * shapes[j]
+        if np.linalg.norm(_strain(scaled, both)) <= _of_rounding(scaled, both):
+            found[i], even[i] = 0.0, both
+    return found, even
+
+
 def _span(shapes):
     """Return an orthonormal real basis (m, n_q) of the span of shapes and their conjugates."""
     if not len(shapes):
@@ -284,15 +301,18 @@ def _terms(scaled, y):
     return max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
 
 
+def _forces(scaled, value, y):
+    """Return the largest force of inertia or damping of the pair."""
+    return max(np.linalg.norm(value**2 * (scaled.M @ y)), np.linalg.norm(value * (scaled.C @ y)))
+
+
 def _is_free(scaled, value, y, largest):
     """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping vanish to rounding."""
     size = _terms(scaled, y)
     if not size:
         return abs(value) <= 1e-7 * largest
-    inertia = scaled.M @ y
-    rounding = max(_of_rounding(scaled, y), EIGENVALUES * largest**2 * np.linalg.norm(inertia))
-    forces = max(np.linalg.norm(value**2 * inertia), np.linalg.norm(value * (scaled.C @ y)))
-    if forces > min(rounding, FREE * size):
+    rounding = max(_of_rounding(scaled, y), EIGENVALUES * largest**2 * np.linalg.norm(scaled.M @ y))
+    if _forces(scaled, value, y) > min(rounding, FREE * size):
         return False
     error = np.linalg.norm(_strain(scaled, y))  # no inertia or damping balances it: an error of the shape
     return error <= CONVERGED * size
