@@ -71,6 +71,8 @@ def test_a_release_that_is_due_at_the_start_is_reported(when, said, tmp_path):
     [
         ("time > 0.2 and hinge.angle > 1", 0.4), ("time > 0.5 and hinge.angle > 1", 0.5),
         ("hinge.angle > 1 or time > 0.3", 0.3), ("hinge.angle > 1 and time > 0.5 or time > 0.6 and time < 3", 0.5),
+        ("(hinge.angle > 1 or time > 0.1) and (time > 0.2 and (hinge.rate > 2))", 0.2),
+        ("((time + 0.1)*2 > (0.5 + 0.1) and time < (3)) and hinge.angle > 0", 0.2),
     ],
 )  # fmt: skip
 def test_conditions_are_joined(when, instant, tmp_path):
@@ -112,6 +114,10 @@ BAD = """
         ("{when: pin.angle}", "a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'"),
         ("{when: 0 < pin.angle < 1}", "; join several by 'and' or 'or', as in 'time > 1 and hinge.angle > 0.5'"),
         ("{when: pin.angle > 1 and pin.rate}", "a condition compares two formulas by > or <"),
+        ("{when: (pin.angle > 1) > 0}", "a condition compares two formulas by > or <"),
+        ("{when: (pin.angle > 1 or time > 2}", "a bracket is not closed"),
+        ("{when: time > 2) or (pin.angle > 1}", "a bracket is closed that was not opened"),
+        ("{when: " + 60 * "(" + "time > 2" + 60 * ")" + "}", "it has too many levels of brackets"),
         ("{when: pin.angel > 1}", "'angel' of 'pin' cannot be measured"),
         ("{time: 1}, latch: {angle: 1}", "'release' and 'latch' exclude one another"),
     ],

@@ -56,6 +56,7 @@ UNIT = r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]"  # 
 TOGETHER = "join several by 'and' or 'or', as in 'time > 1 and hinge.angle > 0.5'"
 PART = r"(?<![\w.$])[A-Za-z_]\w*\.\d+\b"  # rod.1
 WORD = r"(?<![\w.$])[A-Za-z_]\w*"
+NOT_CLOSED = "a bracket is not closed: a formula with a comma must be quoted"
 COMPARISON = r"(>=|<=|>|<)"
 
 
@@ -106,7 +107,7 @@ def read_formula(text, longest=LONGEST):
         tree = ast.parse(body, mode="eval").body
     except SyntaxError as error:
         if body.count("(") > body.count(")"):
-            raise FormulaError("a bracket is not closed: a formula with a comma must be quoted", skipped) from None
+            raise FormulaError(NOT_CLOSED, skipped) from None
         raise FormulaError(_cause(body), skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise FormulaError("it cannot be understood") from None
@@ -131,21 +132,41 @@ def _cause(body):
     return "it cannot be understood"
 
 
-def difference_of(condition):
+def difference_of(condition, level=0):
     """Return the formula that rises through zero where a condition, such as ``hinge.angle > 1.5``, becomes true.
 
-    Several comparisons may be joined by ``and``, which binds more tightly, and ``or``: all are true if the smallest of
-    their differences is above zero, one is if the largest is. Raises FormulaError.
+    Comparisons, or conditions in brackets, may be joined by ``and``, which binds more tightly, and ``or``: all are true
+    if the smallest of their differences is above zero, one is if the largest is. Raises FormulaError.
     """
-    either = [re.split(r"\band\b", one) for one in re.split(r"\bor\b", condition)]
-    return _joined("max", [_joined("min", [_difference(part) for part in both]) for both in either])
+    if level > DEEPEST:
+        raise FormulaError("it has too many levels of brackets")
+    either = [_split(one, "and") for one in _split(condition, "or")]
+    return _joined("max", [_joined("min", [_difference(part, level) for part in both]) for both in either])
+
+
+def _split(condition, word):
+    """Return the parts of a condition between a word that is not in brackets."""
+    parts, depth, start = [], 0, 0
+    for match in re.finditer(rf"[()]|\b{word}\b", condition):
+        depth += {"(": 1, ")": -1}.get(match[0], 0)
+        if depth < 0:
+            raise FormulaError("a bracket is closed that was not opened")
+        if match[0] == word and depth == 0:
+            parts.append(condition[start : match.start()])
+            start = match.end()
+    if depth:
+        raise FormulaError(NOT_CLOSED)
+    return [*parts, condition[start:]]
 
 
 def _joined(function, differences):
     return differences[0] if len(differences) == 1 else f"{function}({', '.join(differences)})"
 
 
-def _difference(comparison):
+def _difference(comparison, level):
+    within = comparison.strip()
+    if within[:1] == "(" and _closes(within) == len(within) - 1:
+        return difference_of(within[1:-1], level + 1)
     parts = re.split(COMPARISON, comparison)
     if len(parts) != 3:
         several = f"; {TOGETHER}" if len(parts) > 3 else ""
@@ -154,6 +175,16 @@ def _difference(comparison):
     for part in (left, right):
         read_formula(part)
     return f"({left.strip()}) - ({right.strip()})" if sign[0] == ">" else f"({right.strip()}) - ({left.strip()})"
+
+
+def _closes(text):
+    """Return the index of the bracket that closes the first one of a text, or -1."""
+    depth = 0
+    for match in re.finditer("[()]", text):
+        depth += 1 if match[0] == "(" else -1
+        if depth == 0:
+            return match.start()
+    return -1
 
 
 def share_of_edge(x, a, b):
