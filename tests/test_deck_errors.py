@@ -181,7 +181,7 @@ STRUCTURE = [
     ("{table: {points: [[0, 0], [1, 1e3]]}}", "{damper: {coefficient: 1}}", 20, "damper",
      "force 'push': 'damper' is a force of extension and rate; a number, the name of a law, or a law of one variable written in place is required here"),
     ("{table: {points: [[0, 0], [1, 1e3]]}}", "{spring: 2}", 20, "spring",
-     "force 'push': 'spring' is a force of extension and rate; a number, the name of a law, or a law of one variable written in place is required here; a force in proportion to it is {linear: {slope: ...}}"),
+     "force 'push': 'spring' is a force of extension and rate; a number, the name of a law, or a law of one variable written in place is required here; a force in proportion to it is {linear: ...}"),
     ("law: oleo", "law: 7", 14, "7",
      "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7; write {spring: 7}, if it is a stiffness"),
     ("damper: {", "dampr: {", 24, "dampr",

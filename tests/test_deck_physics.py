@@ -126,7 +126,6 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
             "unknown type 'clockwork'",
             "`mecano list` lists all; name the file of a plugin by --plugin",
         ),
-        ("value: 1.0", "value: {linear: 3 rad/s}", "'value.linear' must be a mapping", "write {slope: 3 rad/s}"),
         ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),
         ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "write a space after ':'"),
         ("mass: 1,", "mass: 1,5,", "a key must be a name, got '5'", "a decimal point, not a comma: 1.5"),

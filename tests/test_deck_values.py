@@ -143,6 +143,18 @@ def test_a_number_is_a_constant_curve():
     assert read_fake(text).values["loads"]["push"]["value"] == (("constant", {"value": -3.05}),)
 
 
+@pytest.mark.parametrize(("short", "full"), [("linear: 4", "slope: 4"), ("polynomial: [1, 4]", "coefficients: [1, 4]")])
+def test_the_one_required_field_may_stand_for_its_term(short, full):
+    texts = (short, f"{short.split(':')[0]}: {{{full}}}")
+    one, other = (
+        read_fake(VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{{text}}}")).values["loads"]["push"][
+            "value"
+        ]
+        for text in texts
+    )
+    assert one == other and one[0][0] == short.split(":")[0]
+
+
 def test_anchors_may_be_used():
     text = VALID.replace("axis: [0, 1, 0], stop", "axis: &y [0, 1, 0], stop").replace(
         "axle], axis: [0, 1, 0]", "axle], axis: *y"

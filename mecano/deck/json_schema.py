@@ -162,9 +162,9 @@ def _law():
 
 
 def _term(term):
-    """Return the schema of a mapping of fields; a term with one field may also be its value."""
+    """Return the schema of a mapping of fields; a term with one required field may also be its value."""
     fields = mapping_schema(term.fields, term.doc)
-    return {"anyOf": [_of(term.fields[0].type), fields]} if len(term.fields) == 1 else fields
+    return {"anyOf": [_of(term.single.type), fields]} if term.single else fields
 
 
 def _repeat():

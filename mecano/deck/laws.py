@@ -23,7 +23,7 @@ MEANT = {  # terms by other names
     "coulomb": "dry_friction", "gap": "dead_band", "free_play": "dead_band", "backlash": "dead_band",
     "force": "preload", "pulse": "bump", "spline": "table",
 }  # fmt: skip
-CURVES = {"spring": "a force in proportion to it is {linear: {slope: ...}}"}  # hints where a curve is required
+CURVES = {"spring": "a force in proportion to it is {linear: ...}"}  # hints where a curve is required
 SQUARED = r"([A-Za-z%]+)(\d*)"  # a factor of a unit, and its power
 POINT_NUMBER = r"\bpoint (\d+)\b"  # number of the faulty point in the text of a check
 
@@ -96,8 +96,8 @@ def _term(name, key, node, field, scope):
             CURVES.get(name, ""),
         )
     scope.owner = key
-    if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
-        node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
+    if term.single and type(node.value) is not dict:
+        node = Node({term.single.name: (key, node)}, node.source, node.line, node.column)
     _, exponent = node.value.get("exponent", (None, None)) if type(node.value) is dict else (None, None)
     fields = _in_use(term, field, exponent.value if exponent else None)
     values = filled(node, Field(name, TERM, "-", term.doc), fields, scope)

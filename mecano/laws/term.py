@@ -107,6 +107,12 @@ class Term:
     sample: Callable | None = None
     """() -> [{field: value}] for the generic tests of a term that is not one of mecano's"""
 
+    @property
+    def single(self):
+        """The field whose value may stand for the whole term, the only required one, or None."""
+        required = [field for field in self.fields if field.required]
+        return required[0] if len(required) == 1 else None
+
     def numbers(self, values):
         """Return the numbers of a term with these values of its fields."""
         return self.pack(values) if self.pack else [values[field.name] for field in self.fields]
