@@ -24,8 +24,8 @@ def unmet_condition_warnings(
 ) -> Iterator[str]:
     """Yield a warning that names the conditions that, by the ``phases`` at the end, were never met.
 
-    Those on a load of the element itself are those of a fuse, which is meant to hold. Whether a grip was ever closed
-    'while' a condition held follows from the ``extremes`` of its outputs.
+    Those on a load of the element itself are those of a fuse, which is meant to hold. Whether a grip or lock was ever
+    closed 'while' a condition held follows from the ``extremes`` of its outputs.
     """
     found = dict.fromkeys(
         text
@@ -82,7 +82,9 @@ def _unmet_grips(deck, batch, phases):
 
 
 def _never_gripped(deck, sampler, extremes):
-    """Yield a text for each grip that was never closed 'while' its condition held."""
+    """Yield a text for each grip, or lock of a joint, that was never closed 'while' its condition held."""
     for name, d in deck.values["joints"].items():
-        if d.get("while") and not extremes.high[sampler.starts[f"joints/{name}/closed"]]:
-            yield f"{title_of('grip', name)}, 'while: {d['while']}'"
+        option, closed = ("lock.", "locked") if d.get("lock") else ("", "closed")
+        condition = d["lock"]["while"] if option else d.get("while")
+        if condition and not extremes.high[sampler.starts[f"joints/{name}/{closed}"]]:
+            yield f"{title_of(d['type'], name)}, '{option}while: {condition}'"

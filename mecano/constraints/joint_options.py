@@ -10,11 +10,13 @@ from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.of_coordinates import (
     ANGLE_LATCH,
     ANGLE_LATCH_RELEASE,
+    ANGLE_LOCK,
     ANGLE_STOP,
     BOTH,
     SLIDE_LATCH,
     SLIDE_LATCH_RELEASE,
     SLIDE_LAW,
+    SLIDE_LOCK,
     SLIDE_STOP,
     TWIST_LAW,
     law_part,
@@ -46,13 +48,13 @@ def _law_option(fields, kind, axis):
     return Option(fields, parts, ((law, kind, ""),), lambda d: check_set_point(d, law, set_point))
 
 
-def _end_option(coordinate, latches, stop, axis):
-    """Return the Option of the ends of a coordinate: Kinds of its latches, for good or released, and of its stops."""
+def _end_option(coordinate, latches, lock, stop, axis):
+    """Return the Option of the ends of a coordinate: Kinds of its latches, for good or released, lock and stops."""
 
     def parts(d, place, context):
-        return end_parts(d, coordinate, *coordinate_of(axis, place), latches, stop)
+        return end_parts(d, coordinate, *coordinate_of(axis, place), latches, lock, stop)
 
-    optional = (*(("latch", latch, "") for latch in latches), ("stops", stop, ""))
+    optional = (*(("latch", latch, "") for latch in latches), ("lock", lock, ""), ("stops", stop, ""))
     return Option(end_fields(coordinate), parts, optional, check_ends)
 
 
@@ -75,5 +77,5 @@ def friction_option(kind, axis, *geometry):
 
 TURNING_LAW = _law_option(TURNING_FIELDS, TWIST_LAW, "about_axis")
 SLIDING_LAW = _law_option(SLIDING_FIELDS, SLIDE_LAW, "along_axis")
-ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_STOP, "about_axis")
-SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_STOP, "along_axis")
+ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_LOCK, ANGLE_STOP, "about_axis")
+SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_LOCK, SLIDE_STOP, "along_axis")

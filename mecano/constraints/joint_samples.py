@@ -11,6 +11,7 @@ RUBBING = {"coefficient": FALLING, "regularization": 0.2, "length": 0.7}
 STICKING = {"coefficient": FALLING, "regularization": 50.0, "length": None}
 SLIDE_STOPPED = {
     "latch": {"displacement": -0.5, "release": None},
+    "lock": {"while": "time > 0.3"},
     "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4},
 }
 ORIENTATIONS = np.eye(3), np.diag([-1.0, 1.0, -1.0])

@@ -10,7 +10,7 @@ from mecano.constraints.along_coordinate.hold import (
     signal_rate_kind,
 )
 from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
-from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
+from mecano.constraints.along_coordinate.stops import latch_kind, lock_kind, releasable_latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
 from mecano.constraints.coordinates.level import LEVEL
@@ -64,11 +64,13 @@ OF_SIGNAL = dict(zip(laws_of_time, (law_kind_of_signal(*row) for row in LAWS), s
 
 SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
 SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding.", SLIDE)
+SLIDE_LOCK = lock_kind("slide_lock", "Lock of the sliding.", SLIDE)
 SLIDE_STOP = stop_kind("slide_stop", "Stops of the sliding.", SLIDE)
 ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any number of turns.", TWIST)
 ANGLE_LATCH_RELEASE = releasable_latch_kind(
     "angle_latch_release", "Latch of the twist, over any number of turns.", TWIST
 )
+ANGLE_LOCK = lock_kind("angle_lock", "Lock of the twist, over any number of turns.", TWIST)
 ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any number of turns.", TWIST)
 
 BOTH = (0, 1)

@@ -63,7 +63,7 @@ jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate -
     latches, cables, belts, springs and bushings; loads end by a switch
 set point, setpoint, series elastic actuator, elastic actuator -> spring_damper torsion_spring_damper hinge signals |
     their set points are laws of time or formulas of signals
-weld, rigid, rigid joint, clamp, fixed joint, lock, glue -> fixed rigid_link | to fix a node in space write 'fixed:
+weld, rigid, rigid joint, clamp, fixed joint, glue -> fixed rigid_link | to fix a node in space write 'fixed:
     true'
 gimbal, cardan, cardan joint, hooke, hooke joint, u joint, universal joint -> universal
 constant velocity, cv, convel, homokinetic, rzeppa, tripod, half shaft, drive shaft -> constant_velocity universal
@@ -104,8 +104,8 @@ landing gear, undercarriage, bogie, drag brace, side brace, side stay, spin up, 
     crosswind -> oleo wheel drag steady place | see docs/struts.md; a brace is a bar or a rigid_rod; a bogie is a beam
     or a body with a wheel at each axle; in a crosswind give a lateral velocity in 'initial', and a drag to the airframe
 retraction, extension actuator, over centre, overcentre, toggle, down lock, downlock, up lock, uplock -> hinge.stops
-    hinge.latch line_force | an over-centre brace rests on the stop of its knee, pressed by a 'preload' in its
-    'turning_law'; a 'latch' holds the retracted leg
+    hinge.latch hinge.lock line_force | an over-centre brace rests on the stop of its knee, pressed by a 'preload' in
+    its 'turning_law', or has a 'lock' while the gear is down; a 'latch' holds the retracted leg
 load case, certification loads, ground loads -> study | the cases of a study are runs with names; its report gives the
     governing case of each output
 torque link, torque arm, scissors -> cylindrical torsion_spring_damper | its stiffness is the 'turning_law' of the
@@ -185,6 +185,8 @@ thermal strain, temperature, heating, thermal expansion, thermal load, thermal s
 bump stop, end stop, limit stop, limit, buffer -> stop hinge.stops | joints have 'stops', laws the term stop
 backlash, clearance, free play, freeplay, gap, play -> dead_band
 latch, catch, locking -> hinge.latch
+holding brake, parking brake, joint lock, interlock, locked, dog clutch -> hinge.lock brake | a 'lock' holds a joint
+    while a condition is true; a brake has a torque
 snap ring, circlip, snap fit, detent, ball plunger, snap -> hinge.latch contact | a latch locks; a ball on a spring and
     a grooved 'revolution' also give the force
 drum contact, pin in hole, pin in a hole, surface of revolution, cone, funnel, groove -> contact | a 'cylinder' or a
@@ -196,8 +198,9 @@ ellipsoid, spheroid, egg, rattleback, celt -> contact | an 'ellipsoid' in place 
 coulomb, stick slip, dry friction -> friction dry_friction
 friction -> dry_friction
 brake disc, disc brake, anti skid, antiskid, abs -> brake
-clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction brake grip | between two
-    shafts, a torsion_spring_damper whose law is dry_friction, or a brake if its torque varies; a dog clutch is a grip
+clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction brake hinge.lock | between
+    two shafts, a torsion_spring_damper whose law is dry_friction, or a brake if its torque varies; a dog clutch is a
+    lock
 walker, walking robot, gait, leg with foot, stance -> grip switch contact | a foot that does not slip is held by a grip
     'while' a condition is true; `mecano example compass_walker` walks
 freewheel, overrunning clutch, one way clutch, sprag clutch, backstop, ratchet -> torsion_spring_damper damper_table

@@ -175,7 +175,7 @@ def _actuators(run):
 def _spins_a_wheel(deck, joint):
     """Return whether a joint without options is all that holds one of its bodies, as the axle of a reaction wheel."""
     d = deck["joints"][joint]
-    if any(d.get(option) for option in ("turning_law", "latch", "stops")):
+    if any(d.get(option) for option in ("turning_law", "latch", "lock", "stops")):
         return False
     things = [one for section in ("elements", "joints") for one in deck.get(section, {}).values() if one is not d]
     held = [node for one in things for node in (*one.get("nodes", ()), *one.get("attached", ()))]

@@ -1,9 +1,9 @@
-r"""Latches and stops of a joint coordinate c: constraints that become active at a located event, with a shock.
+r"""Latches, locks, stops of a joint coordinate c: constraints that become active at a located event, with a shock.
 
-A latch is reached by c on its way from the initial value, and then holds it, for good or until its release; it does
-not lock while the trigger of its release holds. A stop is reached at the ``lower`` or at the ``upper`` value; it pushes
-c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient of ``restitution``, and opens where its
-reaction falls to zero.
+A latch is reached by c on its way from the initial value, and then holds it, for good or until its release; it does not
+lock while the trigger of its release holds. A lock holds c where it is, while a condition is true. A stop is reached at
+the ``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the
+coefficient of ``restitution``, and opens where its reaction falls to zero.
 
 The held value :math:`c_0` is that at the end of the last step before the event, the memory of the part: several latches
 and stops reached together hold consistent values, to the last bit. Docs: docs/shocks.md.
@@ -18,7 +18,8 @@ from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, 
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, named, record
 from mecano.jit.kernel import kernel
-from mecano.schema import NUMBER, Field, mapping, requirement, share
+from mecano.laws.formula import difference_of
+from mecano.schema import CONDITION, NUMBER, Field, mapping, requirement, share
 
 LATCH_RECORD = {"value": (), "direction": ()}
 STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
@@ -26,6 +27,10 @@ FREE, LOCKED = 0, 1
 NEVER = -1.0  # value of an event that does not occur
 BETWEEN, LOWER, UPPER = 0, 1, 2
 LATCH_PHASES = ("free", "locked")
+LOCK_EVENTS = (
+    Event("locks", "free", "locked", "the condition becomes true; a shock", LOCK, condition=True),
+    Event("unlocks", "locked", "free", "the condition becomes false", condition=True),
+)
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
 UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good", command="release")
@@ -71,6 +76,30 @@ def _stopped(p, at):
 
 def latch_kind(name, doc, coordinate):
     """Return the Kind of a latch of a coordinate."""
+    value = counted(coordinate)
+
+    @kernel
+    def event_values(p, at, g):
+        g[0] = p.direction * (value(p, at) - p.value)
+
+    return _locking_kind(name, doc, coordinate, "latch", LATCH_RECORD, events=LATCH_EVENTS, **named(event_values))
+
+
+def lock_kind(name, doc, coordinate):
+    """Return the Kind of a lock of a coordinate, whose input is positive while it holds."""
+    commanded = replace(coordinate, inputs=1)
+    command = commanded.row - 1
+
+    @kernel
+    def event_values(p, at, g):
+        g[0], g[1] = at.q[command], -at.q[command]
+
+    changes = {"inputs": ("closing",), "events": LOCK_EVENTS, **named(event_values)}
+    return _locking_kind(name, doc, commanded, "lock", {}, **changes)
+
+
+def _locking_kind(name, doc, coordinate, end, fields, **changes):
+    """Return the Kind that holds a coordinate where it is in the phase "locked"; its ``end`` is "latch" or "lock"."""
     value, row = counted(coordinate), coordinate.row
 
     @kernel
@@ -78,18 +107,13 @@ def latch_kind(name, doc, coordinate):
         y[0], y[1] = at.q[row], 1.0 if at.phase == LOCKED else 0.0
 
     @kernel
-    def event_values(p, at, g):
-        g[0] = p.direction * (value(p, at) - p.value)
-
-    @kernel
     def commit(p, at, m_out):
         m_out[0] = at.m[0] if at.phase == LOCKED else value(p, at)
 
-    state = Output("latched", "-", "1 while it is locked, otherwise 0")
+    state = Output(f"{end}ed", "-", "1 while it is locked, otherwise 0")
     return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), **_reaction(coordinate, "latch", state),
-        phases=LATCH_PHASES, events=LATCH_EVENTS, **holding(coordinate, _locked),
-        **named(observe, event_values, commit),
+        name=name, doc=doc, dtype=record(**coordinate.axes, **fields), **_reaction(coordinate, end, state),
+        phases=LATCH_PHASES, **holding(coordinate, _locked), **named(observe, commit), **changes,
     )  # fmt: skip
 
 
@@ -146,7 +170,7 @@ def stop_kind(name, doc, coordinate):
 
 
 def _reaction(coordinate, end, state, unilateral=False):
-    """Return the declarations of the reaction of an ``end`` ("latch", "stop") and of its ``state``, an Output."""
+    """Return the declarations of the reaction of an ``end`` ("latch", "lock", "stop"), and of its ``state``."""
     what, unit = coordinate.load
     doc = f"{what} of the {end} on b, towards increasing {_quantity(coordinate)}"
     return {
@@ -161,8 +185,8 @@ def _quantity(coordinate):
 
 LOCKED_LATER = requirement(
     lambda value: value != 0.0,
-    "must not be zero: for a joint locked from the start use another kind of joint; a 'grip' between its bodies locks "
-    "it until a condition is false",
+    "must not be zero: for a joint locked from the start use another kind of joint; 'lock: {while: time < 1}' locks it "
+    "while a condition is true",
 )
 BELOW = requirement(lambda value: value <= 0.0, "must not be greater than zero, the initial value")
 ABOVE = requirement(lambda value: value >= 0.0, "must not be less than zero, the initial value")
@@ -170,12 +194,13 @@ SOME = requirement(lambda stops: stops["lower"] != -inf or stops["upper"] != inf
 
 
 def end_fields(coordinate):
-    """Return the fields ``latch`` and ``stops`` of a joint for a coordinate."""
+    """Return the fields ``latch``, ``lock`` and ``stops`` of a joint for a coordinate."""
     quantity, unit = _quantity(coordinate), coordinate.unit
     latch = (
         Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=LOCKED_LATER),
         Field("release", TRIGGER, "-", "when it unlocks for good: {time: ...} or {when: ...}; never when absent", None),
     )
+    lock = Field("while", CONDITION, "-", f"condition: while it is true b is locked to a, at its {quantity} then")
     stops = (
         Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, BELOW),
         Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, ABOVE),
@@ -183,6 +208,7 @@ def end_fields(coordinate):
     )
     return (
         Field("latch", mapping(*latch), "-", "locks when reached, with a shock (docs/shocks.md)", None),
+        Field("lock", mapping(lock), "-", "locks while a condition is true: brakes, dog clutches, down-locks", None),
         Field("stops", mapping(*stops), "-", "rigid stops, reached with a shock (docs/shocks.md)", None, SOME),
     )
 
@@ -192,12 +218,14 @@ def check_ends(d):
     return check_trigger("latch.release", d["latch"]["release"]) if d.get("latch") else []
 
 
-def end_parts(d, coordinate, axes, start, latches, stop):
+def end_parts(d, coordinate, axes, start, latches, lock, stop):
     """Return [Part] for the fields ``end_fields`` of a joint; ``axes``, ``start``: axes and initial value of c.
 
     ``latches`` are the Kinds of a latch for good, and of one that is released.
     """
     parts = []
+    if d["lock"]:
+        parts.append(Part(lock, (0, 1), axes, reads=(difference_of(d["lock"]["while"]),)))
     if d["latch"]:
         value, release = d["latch"][_quantity(coordinate)], d["latch"]["release"]
         ends = {"value": start + value, "direction": 1.0 if value > 0.0 else -1.0}

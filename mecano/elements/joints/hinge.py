@@ -11,8 +11,8 @@ equations also hold for :math:`\xi_3 = -\mu_3`: the assembly rejects that soluti
 inertial axis initially most perpendicular to the axis, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
 Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
-``latch`` locks the hinge at an angle; ``stops`` are rigid and may rebound; both exchange momentum at the
-instant at which they are reached (docs/shocks.md).
+``latch`` locks the hinge at an angle, ``lock`` while a condition is true; ``stops`` are rigid and may rebound; all
+exchange momentum at the instant at which they act (docs/shocks.md).
 ``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one
 multiplier, or the replacing law, for each axis. The outputs force and moment include only what holds b; law and
 friction have outputs of their own.
@@ -64,7 +64,7 @@ HINGE = sharing_pair(
         *({**SKEW, "latch": {"angle": 1.5, "release": release}} for release in (None, SAMPLE["release"])),
         {**TURNING_SPRUNG, "friction": {**RUBBING, **RADII}},
         {**TURNING_SPRUNG, "natural_angle": "command"},
-        {"friction": {**STICKING, **RADII}, "stops": STOPS},
+        {"friction": {**STICKING, **RADII}, "stops": STOPS, "lock": {"while": "time > 0.3"}},
         {"axis_1": AXIS_1, "turning_law": SPRUNG, "compliance": dict.fromkeys(HELD, SPRUNG)},
     ),
 )  # fmt: skip
