@@ -198,7 +198,8 @@ def check_cable(d, nodes):
     full = terms_of(d["natural_length"])
     if {name for name, _ in full} != {"constant"} or not curve_at(full, 0.0)[0] > distance(nodes):
         return [
-            "'natural_length' must be a number greater than the distance of the nodes, the length initially paid out"
+            "'natural_length', at which it is fully paid out, must be a number greater than the distance of the nodes, "
+            "the length paid out at the start"
         ]
     if curve_at(d["payout_tension"], 0.0)[0] < 0.0:
         return ["'payout_tension' must not be negative at zero rate"]
