@@ -37,6 +37,7 @@ ANGLES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "degrees", "radi
 FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log", "hypot")}
 FUNCTIONS |= {"abs": abs, "min": min, "max": max}
 CONSTANTS = {"pi": math.pi}
+NO_NAMES = "constants: pi; this value is a number, no formula of signals and outputs"
 WORDS = "|".join([*FUNCTIONS, *CONSTANTS])
 DATE = "[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}"
 ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{WORDS})\b)+")
@@ -249,7 +250,7 @@ class _Reading:
                 return self.parameters(tree.id, column)
             if self.text[column] == "$":
                 raise _wrong(self.text, "has a $ without the name of a parameter after it", column)
-            hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"
+            hint = "a parameter is written with a $" if self.parameters.known(tree.id) else NO_NAMES
             raise ExpressionError(f"there is no constant '{tree.id}'; {hint}", column)
         if len(match[0]) < len(tree.id):
             raise _wrong(
