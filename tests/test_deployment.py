@@ -96,6 +96,13 @@ def test_the_least_margin_is_an_output_of_a_study(tmp_path):
     np.testing.assert_allclose([margin for margin, _ in found], [np.pi / 8.0, np.pi / 40.0], rtol=0, atol=2e-3)
 
 
+def test_a_margin_without_resistance_is_within_a_limit(tmp_path):
+    """Nothing but its inertia resists the panel: resistance below 1/1000 of the torque counts as that."""
+    run(input_deck("panel_lock"), tmp_path / "panel.h5")
+    with open_results(tmp_path / "panel.h5") as results:
+        assert [Output("m", name, None, "min").value(results) for name in MARGINS] == [(1000.0, "-")] * 2
+
+
 @pytest.mark.parametrize(
     ("deck", "take", "said"),
     [

@@ -57,12 +57,12 @@ def deployment_sheet(runs: Sequence[Run]) -> Sheet:
 
 
 def least_margins(run: Run) -> dict[str, float]:
-    """Return {name of MARGINS: least deployment margin} of a run; nan where nothing resists or no motor turns."""
+    """Return {name of MARGINS: least margin} of a run: 1/LEAST where nothing resists, nan if no motor turns."""
     found = _torques(run, motors(run.deck))
     if found is None:
         return dict.fromkeys(MARGINS, np.nan)
     margin = _margin(*found[1:3])
-    return {name: np.nan if i is None else margin[i] for name, i in zip(MARGINS, _least(margin), strict=True)}
+    return {name: 1.0 / LEAST if i is None else margin[i] for name, i in zip(MARGINS, _least(margin), strict=True)}
 
 
 def margin_text(angle: np.ndarray, margin: np.ndarray) -> str:
