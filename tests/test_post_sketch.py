@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from time_runs import deck
 
+from mecano.analyses.dynamic import run
 from mecano.elements import KINDS
 from mecano.post.draw_sketch import MOST_PARTS, colours_of, draw_sketch, hull, zigzag
 from mecano.post.ground import ground_patch, grounds_near
@@ -51,6 +53,21 @@ def test_shapes_of_the_mechanism(runs):
     assert styles["one_wheel"] == WHEEL and styles["one_hinge"] == JOINT
     assert not {"one_force", "one_torsion_spring_damper", "one_held_rotation"} & set(styles)
     assert [shape.name for shape in found.shapes if shape.style == SUPPORT] == ["base"]
+
+
+def test_a_joint_that_slides_is_no_support(tmp_path):
+    axes = {"slides": "free: [along_axis]", "driven": "driven: {along_1: time}", "turns": "free: [about_axis, about_1]"}
+    joints = "\n".join(f"  {n}: {{type: generic, nodes: [ground, {n}], axis: [0, 0, 1], {a}}}" for n, a in axes.items())
+    names = f"{{repeat: {{n: [{', '.join(axes)}]}}"
+    given = deck(
+        "mecano: 1\ngravity: none\ntime: {end: 0.1, step: 0.05}\n"
+        f"nodes:\n  $n: {names}, position: [0, 0, 0]}}\n"
+        f"elements:\n  body_$n: {names}, type: rigid_body, node: $n, mass: 1, inertia: [1, 1, 1]}}\n"
+        f"joints:\n{joints}"
+    )
+    run(given, tmp_path / "r.h5")
+    found = sketch(open_runs([tmp_path / "r.h5"])[0])
+    assert [shape.name for shape in found.shapes if shape.style == SUPPORT] == ["turns"]
 
 
 def test_the_rim_turns_with_its_node(runs):

@@ -267,9 +267,15 @@ def _joint(motion, name, d):
     if not moving:
         return []
     points = motion.position(moving[-1])[:, None]
-    held = len(moving) < len(nodes) and motion.run.display(d).support
+    held = len(moving) < len(nodes) and motion.run.display(d).support and not _slides(d)
     support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0))] if held else []
     return [*support, Shape(JOINT, name, points, (moving[-1],))]
+
+
+def _slides(d):
+    """Return whether a generic joint leaves or drives a displacement."""
+    moved = [*d.get("free", ()), *(axis for key in ("driven", "driven_rates") for axis in d.get(key) or ())]
+    return any(axis.startswith("along") for axis in moved)
 
 
 def _curve(motion, name, d):
