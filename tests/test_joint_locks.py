@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare, warnings_of
@@ -83,6 +83,22 @@ def test_a_dog_clutch_joins_two_shafts():
         np.testing.assert_allclose(speed[apart], end, rtol=1e-9)
     (locks, _) = m.event_records
     np.testing.assert_allclose(locks.lost, 0.5 * (2.0 * 3.0 / 5.0) * 0.5**2, rtol=1e-9)  # reduced inertia, 0.5 rad/s
+
+
+def test_a_gearbox_shifts(verify):
+    """Inertia of all that turns with the motor: 0.05, the wheels 0.009/3^2 and 0.002 kg m2; impulse of the shock."""
+    m = RecordedRun(input_deck("gearbox"))
+    turning, load = 0.05 + 9.0e-3 / 9.0 + 2.0e-3, 0.2
+    first = 10.0 * 1.0 / (turning + load / 9.0)
+    impulse = load * turning / (load + turning) * (first - first / 3.0)
+    last = first - impulse / turning + 10.0 * 0.8 / (turning + load)
+    (locks,) = [h for h in m.event_records if h.name == "locks"]
+    shifts, ends = np.isclose(m.time, 1.2), np.isclose(m.time, 2.0)
+    motor, driven = m["joints/motor/rate"], m["joints/load/rate"]
+    found = [motor[shifts][0], driven[shifts][0], motor[ends][0], driven[ends][0], abs(locks.impulse)]
+    exact = [first, -first / 3.0, last, -last, impulse]
+    what = "gearbox: speeds [rad/s] before the shift and 0.8 s after it, impulse [N m s]"
+    verify("Locks", what, found, exact, "angular momentum", relative=1e-9)
 
 
 def test_a_locked_guide_is_in_equilibrium():

@@ -41,6 +41,7 @@ PLOTS = {
     "filters": "integral.value,washout.value,second_order.value",
     "flutter": "plunge.displacement,pitch.angle",
     "gear_stages": "loose.transmission_error,elastic.transmission_error",
+    "gearbox": "joints.motor.rate,joints.load.rate",
     "landing_roll": "wheel.normal_force",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
     "main_gear": "wheel.normal_force,wheel.longitudinal_force",
