@@ -6,7 +6,7 @@ from time_runs import RecordedRun, deck
 
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.analyses.response import ResponseRequest, response
-from mecano.errors import AssemblyError, DeckError
+from mecano.errors import AssemblyError, ConvergenceError, DeckError
 from mecano.solve.modal.state_space import state_space
 
 ARM, WEIGHT = 0.75, 9.81 * 0.75  # moment of inertia about the pin [kg m2], largest moment of the weight [N m]
@@ -267,3 +267,50 @@ def test_a_model_that_only_drives_move_is_not_immobile():
         for given in ("driven_rates: {about_axis: 1}", "free: []")
     ]
     assert warned == [False, True]
+
+
+CART = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      body: {position: [0, 0, 0.35]}
+      front_pin: {position: [1, 0, 0.3]}
+      rear_pin: {position: [-1, 0, 0.3]}
+      front: {position: [1, 0, 0.3]}
+      rear: {position: [-1, 0, 0.3]}
+    elements:
+      body: {type: rigid_body, node: body, mass: 200, inertia: [50, 50, 50], attached: [front_pin, rear_pin]}
+      front: {type: rigid_body, node: front, mass: 10, inertia: [0.3, 0.5, 0.3]}
+      rear: {type: rigid_body, node: rear, mass: 10, inertia: [0.3, 0.5, 0.3]}
+      tyre_front: {type: wheel, node: front, axis: [0, 1, 0], tire_law: tyre, ground: road}
+      tyre_rear: {type: wheel, node: rear, axis: [0, 1, 0], tire_law: tyre, ground: road}
+    joints:
+      upright: {type: planar, nodes: [ground, body], axis: [0, 1, 0]}
+      axle_front: {type: hinge, nodes: [front_pin, front], axis: [0, 1, 0]}
+      axle_rear: {type: hinge, nodes: [rear_pin, rear], axis: [0, 1, 0]}
+      motor: {type: prescribed_angle, nodes: [front_pin, front], axis: [0, 1, 0], rate: command}
+    signals:
+      command: {type: integrator, input: 10*(10 - body.velocity.x), initial: FIRST}
+    loads:
+      drag: {type: force, node: body, direction: [-1, 0, 0], value: 0.5*body.velocity.x**2}
+    tire_laws:
+      tyre: {radius: 0.3, radial: {linear: 200 kN/m}, fiala: {cornering_stiffness: 30 kN/rad, friction: 0.9}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [10, 0, 0]}}
+    time: {end: 0.2, step: 0.002}
+"""
+
+
+def test_steady_running_with_a_rate_by_a_signal():
+    """The integrator reaches the spin at which the tyre pulls against the drag; then nothing changes."""
+    m = RecordedRun(deck(CART.replace("FIRST", "34")))
+    force, height = m["elements/tyre_front/longitudinal_force"], m["nodes/front/position"][0, 2]
+    np.testing.assert_allclose(force, 0.5 * 10.0**2, rtol=1e-6)
+    np.testing.assert_allclose(m["joints/motor/moment"], 50.0 * height, rtol=1e-6)
+    np.testing.assert_allclose(m["joints/axle_front/rate"], m["signals/command/value"], rtol=1e-9)
+    np.testing.assert_allclose(m["nodes/body/velocity"][:, 0], 10.0, rtol=1e-9)
+
+
+def test_steady_running_far_from_the_first_rate_of_an_integrator():
+    with pytest.raises(ConvergenceError, match="'initial' value of its integrator near the rate in steady motion"):
+        RecordedRun(deck(CART.replace("FIRST", "0")))

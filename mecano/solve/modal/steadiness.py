@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from mecano.solve.modal.steady import Steady
 
 STEADY = 1e-6  # of the speed: largest rate of a constraint
+OF_RATES = "; for a drive whose rate is a signal, an 'initial' value of its integrator near the rate in steady motion"
 
 
 def require_steady(steady: "Steady", s: "State", arrived: bool) -> None:
@@ -26,6 +27,7 @@ def require_steady(steady: "Steady", s: "State", arrived: bool) -> None:
         raise ConvergenceError(
             f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
             f"{worst}{motion.cause_of_imbalance(steady, s, at)}\nwhat to try: {motion.remedy}"
+            + (OF_RATES if any(batch.kind.inputs == ("rate",) for batch in system.batches) else "")
         )
     off = np.abs(at.rates) / steady.speed
     if off.max(initial=0.0) > STEADY:
