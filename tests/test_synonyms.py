@@ -17,7 +17,7 @@ ASKED = """motor, actuator, pulley, revolute, ball joint, slider, translational 
     modes, eigenvalues, tyre, tire, oleo, shock absorber, latch, stop, cable, rope, winch, truss, rod, link, weld,
     gimbal, cardan, rail, friction, brake, runway, initial conditions, output, units, parameters, sweep, gear, belt,
     strut, backlash, superelement, roller, point on plane, outputs, tires, Revolute_Joint, ball-joint,
-    stewart, bogie, gust"""
+    stewart, bogie, gust, LossyGear, WorldForce, ElastoBacklash, freejoint, FixedTranslation, site, frictionloss"""
 
 
 @pytest.fixture(autouse=True, scope="module")

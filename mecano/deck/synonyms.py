@@ -30,7 +30,8 @@ synchronisation, synchronization, synchronisation cable, synchronization cable, 
 non circular gear, noncircular gear, elliptical gear, transmission function, position function, indexing, indexing
     drive, function generator -> nonlinear_coupler | one coordinate of a joint as a function of that of another one
 rack, pinion -> rack_and_pinion
-gear, gear train, gear wheel, planetary, planetary gear, epicyclic, sun gear, ring gear -> gear_pair rack_and_pinion
+gear, gear train, gear wheel, planetary, ideal planetary, planetary gear, epicyclic, sun gear, ring gear -> gear_pair
+    rack_and_pinion
 cvt, variator, continuously variable, variable ratio -> coupler | a coupler with a 'ratio', a law of time or a signal
 oldham, oldham coupling -> prismatic hinge | two prismatic joints across one another, and a disc between them, join
     shafts on hinges
@@ -183,7 +184,10 @@ earthquake, base excitation, base acceleration, accelerogram, ground motion, vib
 thermal strain, temperature, heating, thermal expansion, thermal load, thermal snap, thermal flutter, eclipse -> beam
     cable | a beam has 'thermal', a cable or bar a 'natural_length' that is a law of time
 bump stop, end stop, limit stop, limit, buffer -> stop hinge.stops | joints have 'stops', laws the term stop
-backlash, clearance, free play, freeplay, gap, play -> dead_band
+backlash, elasto backlash, clearance, free play, freeplay, gap, play -> dead_band
+free motion, free joint, freejoint, six dof joint, floating joint -> rigid_body | a body without joints is free
+fixed translation, fixed rotation, rigid transform, body shape -> rigid_body rigid_link | a node elsewhere on a body is
+    in its list 'attached'
 latch, catch, locking -> hinge.latch
 holding brake, parking brake, joint lock, interlock, locked, dog clutch -> hinge.lock brake | a 'lock' holds a joint
     while a condition is true; a brake has a torque
@@ -195,7 +199,7 @@ contact, collision, impact, unilateral -> contact plane_contact rigid_wheel stop
 capsule, capsule contact, line contact, rod contact, beam contact, cylinder contact -> contact | a 'rod' in place of the
     ball touches a capsule or a cylinder
 ellipsoid, spheroid, egg, rattleback, celt -> contact | an 'ellipsoid' in place of the ball touches a plane
-coulomb, stick slip, dry friction -> friction dry_friction
+coulomb, stick slip, dry friction, frictionloss -> friction dry_friction
 friction -> dry_friction
 brake disc, disc brake, anti skid, antiskid, abs -> brake
 clutch, friction clutch, slip clutch, torque limiter -> torsion_spring_damper dry_friction brake hinge.lock | between
@@ -244,7 +248,7 @@ cleat, short obstacle, kerb, curb, pothole, speed bump, arresting cable, cable c
     grounds | 'enveloping' of a tyre law; docs/tyres.md, 'Cleats, cables, kerbs'
 orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite -> gravity_gradient
 tether -> gravity_gradient cable
-load, external force, weight -> force moment gravity
+load, external force, world force, weight -> force moment gravity
 torque -> moment couple
 sforce, vforce, gforce, action reaction, force between two bodies, magnetic bearing -> internal_force line_force couple
     | an internal_force or a couple for each axis of the first body
@@ -343,7 +347,7 @@ integrator, integration, solver, time step, timestep, newmark, alpha -> time
 tolerance, newton, convergence -> time static
 penalty, augmented lagrangian -> time
 g, acceleration of gravity -> gravity
-marker, frame, node, point, coordinate system, body frame -> nodes
+marker, site, frame, node, point, coordinate system, body frame -> nodes
 group, assembly, subsystem, macro -> templates place include
 loop, copies, pattern, array -> repeat templates
 import, file -> include
@@ -388,12 +392,13 @@ def _entries():
 NOTES = dict(_entries())
 SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}
 SEPARATORS = re.compile(r"[\s_-]+")
+CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")  # that begins a word, as in LossyGear
 
 
 def synonym(name: str) -> tuple[tuple[str, ...], str] | None:
     """Return (names of the equivalents in mecano, best first; note) of a word of other programs, or None."""
-    word = SEPARATORS.sub(" ", name.lower().strip())
-    entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
+    words = [SEPARATORS.sub(" ", text.lower().strip()) for text in (name, CAPITAL.sub(" ", name))]
+    entry = next((SYNONYMS[form] for word in words for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
 
 
