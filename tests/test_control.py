@@ -9,6 +9,7 @@ import pytest
 from convergence import at_times
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
@@ -80,6 +81,37 @@ LOOP = """
     loads: {push: {type: joint_force, joint: rail, value: first}}
     time: {end: 0.1, step: 0.01}
     """
+
+
+PULSES = """
+    mecano: 1
+    gravity: none
+    parameters: {f: 1000, R: 0.5, L: 1e-3, k: 0.05, duty: 0.3}
+    nodes: {rotor: {position: [0, 0, 0]}}
+    elements: {rotor: {type: rigid_body, node: rotor, mass: 1, inertia: [1e-4, 1e-4, 1e-4]}}
+    joints: {axle: {type: hinge, nodes: [ground, rotor], axis: [0, 0, 1]}}
+    signals:
+      carrier: "abs(atan2(sin(2*pi*$f*time), cos(2*pi*$f*time)))/pi"
+      bridge: {type: switch, input: $duty - carrier, high: 24, low: 0}
+      current: {type: integrator, input: (bridge - $R*current - $k*axle.rate)/$L}
+    loads: {motor: {type: joint_moment, joint: axle, value: $k*current - 1e-4*axle.rate}}
+    time: {end: 0.02, step: STEP}
+    output: {every: 0.02}
+    """
+
+
+def test_a_motor_is_driven_by_pulses(verify):
+    """Each period of 1 ms begins and ends with 0.15 ms at 24 V; the rates of current and speed are linear in between."""
+    A, y = np.array([[-500.0, -50.0, 24.0e3], [500.0, -1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([0.0, 0.0, 0.0])
+    for _ in range(20):
+        for on, duration in ((1.0, 0.15e-3), (0.0, 0.7e-3), (1.0, 0.15e-3)):
+            y[2] = on
+            y = expm(A * duration) @ y
+    runs = [RecordedRun(deck(PULSES.replace("STEP", step))) for step in ("1e-4", "5e-5")]
+    found = [np.array([m["signals/current/value"][-1], m["joints/axle/rate"][-1]]) for m in runs]
+    assert len(runs[1].event_records) == 40
+    what = "motor driven by 20 pulses: current [A] and speed [rad/s]"
+    verify.second_order(CONTROL, what, *found, y[:2], 1e-3, "matrix exponentials")
 
 
 def test_signals_may_need_one_another():

@@ -21,6 +21,7 @@ KEYS = {  # in small letters, without "_": names in mecano, best first
     "d, od, outerdiameter": "diameter",
     "wall": "thickness",
     "torque": "value moment",
+    "value": "torque",
     "kp": "proportional",
     "ki": "integral",
     "kd": "derivative",

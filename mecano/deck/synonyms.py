@@ -189,6 +189,8 @@ free motion, free joint, freejoint, six dof joint, floating joint -> rigid_body 
 fixed translation, fixed rotation, rigid transform, body shape -> rigid_body rigid_link | a node elsewhere on a body is
     in its list 'attached'
 latch, catch, locking -> hinge.latch
+pwm, pulse width modulation, duty cycle, square wave, sawtooth, triangle wave, modulo, mod, periodic, periodic function
+    -> switch curve | docs/signals.md (Periodic signals) writes the phase, and a switch or a curve of it
 holding brake, parking brake, joint lock, interlock, locked, dog clutch -> hinge.lock brake | a 'lock' holds a joint
     while a condition is true; a brake has a torque
 snap ring, circlip, snap fit, detent, ball plunger, snap -> hinge.latch contact | a latch locks; a ball on a spring and

@@ -31,8 +31,15 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
         "turning_law",
         "a torque is a load, {type: joint_moment, joint: ..., value: ...}; a given motion is a joint 'prescribed_angle'"
     ),
+    ("rate", "speed", "driven_rate"): ("turning_law", "a given motion is a joint, {type: prescribed_angle, rate: ...}"),
     ("angle", "angles", "position", "positions", "displacement", "displacements"): (
         "velocities", "the positions at the start are those of the nodes"
+    ),
+    ("rate", "rates", "speed", "speeds"): (
+        "velocities", "give the velocities of the bodies, velocities: [{nodes: [...], angular_velocity: [...]}]"
+    ),
+    ("plane", "planar", "dimension", "dimensions"): (
+        "gravity", "all models are in space: parallel hinges, or joints 'planar', keep a mechanism in its plane"
     ),
     ("relaxation_length", "relaxation_lengths"): (
         "carcass_stiffness", "it is cornering_stiffness / carcass_stiffness + creep_length"
