@@ -29,8 +29,8 @@ LIMITS = """
 300 random mechanisms of two to seven rigid bodies were compared with Pinocchio 4.1: trees of hinges, prismatic,
 cylindrical, planar, spherical and universal joints and screws, with springs, dampers and up to two loops. Positions,
 velocities, coordinates of joints and reactions after one second, 10109 outputs, agree within 5.1e-9 of their size
-(`python tests/benchmarks/pinocchio_side.py 1 300`, commit ba38e1e5, 2026-12-01). So do static equilibria and eigenvalues
-of 100 such trees, within 4.6e-10 (`pinocchio_modes.py 1 100`, commit 73987790, 2026-12-01).
+(`python tests/benchmarks/pinocchio_side.py 1 300`, commit ba38e1e5, 2026-12-01). So do static equilibria and
+eigenvalues of 100 such trees, within 4.6e-10 (`pinocchio_modes.py 1 100`, commit 73987790, 2026-12-01).
 
 ## Published results
 
