@@ -101,7 +101,7 @@ PULSES = """
 
 
 def test_a_motor_is_driven_by_pulses(verify):
-    """Each period of 1 ms begins and ends with 0.15 ms at 24 V; the rates of current and speed are linear in between."""
+    """Each period of 1 ms has 0.3 ms at 24 V, half of it at either end; rates of current and speed are linear."""
     A, y = np.array([[-500.0, -50.0, 24.0e3], [500.0, -1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([0.0, 0.0, 0.0])
     for _ in range(20):
         for on, duration in ((1.0, 0.15e-3), (0.0, 0.7e-3), (1.0, 0.15e-3)):
