@@ -1,5 +1,6 @@
 """Matrices of small motions in uniform units, split into motions and constraints; residuals of modes."""
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,8 @@ SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiff
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
 ROUNDED_REACTION = 1e-12  # of the largest factor of a multiplier in a signal: rounding
 SINGULAR = 1e-8  # of the largest singular value of the equations of signals
+REGULARIZED, REFINED = 1e-13, 3  # of the largest diagonal entry of D^T D; solutions, each with the rest of the last
+FEW = 400  # motions up to which balancing multipliers are found by dense least squares
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
 
@@ -94,10 +97,19 @@ class SmallMotions:
 
     def balancing_multipliers(self, r: np.ndarray) -> np.ndarray:
         """Return the multipliers mu that minimize |r + D mu| for r (n_q,)."""
-        if self.D.shape[0] <= DENSE_ROWS:
+        if self.n_q <= FEW:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
-        parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]
-        return parts[0] + 1j * parts[1]
+        mu = np.zeros(self.D.shape[1], complex)
+        for _ in range(REFINED):
+            rest = self.D.T @ (r + self.D @ mu)
+            mu -= self._normal.solve(rest.real) + 1j * self._normal.solve(rest.imag)
+        return mu
+
+    @cached_property
+    def _normal(self):
+        """The factors of D^T D, regularized, because constraints may be redundant."""
+        N = (self.D.T @ self.D).tocsc()
+        return spla.splu(N + REGULARIZED * (N.diagonal().max() or 1.0) * sp.identity(N.shape[0], format="csc"))
 
 
 def _least_squares(A, b):
