@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from time_runs import deck
 
 from mecano.analyses.modal import modes
@@ -179,3 +180,53 @@ def test_a_free_boom_that_spins_bends_and_does_not_flutter(mesh, within, verify)
     seen_ones = nearest(found.values, 1j * wanted).imag
     what = f"spinning boom of {2 * mesh} beams, masses at its ends: frequencies [rad/s]"
     verify(S, what, seen_ones, wanted, "Ritz", relative=within)
+
+
+PANELS, SPRING, DRAG = 28, 500.0, 0.1  # hinged panels of 1 m and 2 kg; moment per rad, and per rad/s
+
+
+def of_panels(n=2.0, m=2.0, J=(0.1, 0.2, 0.25)):
+    """Eigenvalues of a straight chain of hinged panels that spins about its middle, out of the plane of the rotation.
+
+    Unknowns are the height of the first end and the slopes. Slopes shorten the chain, against the centrifugal forces.
+    """
+    places = np.arange(PANELS) - (PANELS - 1) / 2.0
+    heights = np.tril(np.ones((PANELS, PANELS)), -1) + 0.5 * np.eye(PANELS)
+    heights = np.column_stack([np.ones(PANELS), heights])
+    slopes, bends = np.eye(PANELS + 1)[1:], np.diff(np.eye(PANELS + 1)[1:], axis=0)
+    tension = np.array([places[i + 1 :].sum() + 0.5 * places[i] for i in range(PANELS)])
+    M = m * heights.T @ heights + J[1] * slopes.T @ slopes
+    K = slopes.T @ ((n**2 * (m * tension + J[2] - J[0]))[:, None] * slopes) + SPRING * bends.T @ bends
+    C, one, none = DRAG * bends.T @ bends, np.eye(PANELS + 1), np.zeros((PANELS + 1,) * 2)
+    values = np.linalg.eigvals(np.block([[none, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]]))
+    values = values[values.imag > 1.1 * n]  # without those of translation and tilt
+    return values[np.argsort(np.abs(values))]
+
+
+def test_a_long_chain_of_panels_spins_freely_about_a_skew_axis(verify):
+    """Its double zeros perturb other modes of a large model in proportion to the square of the shift of the solver."""
+    R = Rotation.from_rotvec([0.5, 0.3, -0.4]).as_matrix()
+    at = [f"[(PLACE)*{x!r}, (PLACE)*{y!r}, (PLACE)*{z!r}]" for x, y, z in [R[:, 0].tolist()]][0]
+    middle, left, right = (at.replace("PLACE", f"$i - {PANELS // 2} - {past}") for past in (0.5, 1.0, 0.0))
+    axis = (2.0 * R[:, 2]).tolist()
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          p$i: {{repeat: {{i: 1..{PANELS}}}, position: {middle}, orientation: [0.5, 0.3, -0.4]}}
+          l$i: {{repeat: {{i: 1..{PANELS}}}, position: {left}}}
+          r$i: {{repeat: {{i: 1..{PANELS}}}, position: {right}}}
+        elements:
+          p$i: {{repeat: {{i: 1..{PANELS}}}, type: rigid_body, node: p$i, mass: 2, inertia: [0.1, 0.2, 0.25],
+            attached: [l$i, r$i]}}
+        joints:
+          h$i: {{repeat: {{i: 2..{PANELS}}}, type: hinge, nodes: [r$(i - 1), l$i], axis: {R[:, 1].tolist()},
+            turning_law: {{spring: {SPRING}, damper: {DRAG}}}}}
+        initial: {{steady: {{angular_velocity: {axis}, about: [0, 0, 0]}}}}
+        time: {{end: 1, step: 1 ms}}
+    """
+    _, found, _ = modes(deck(text), None, number=8, frame=",".join(map(str, axis)))
+    assert found.converged.all() and set(found.kinds) == {"free", "oscillation"}
+    wanted = of_panels()
+    what = f"chain of {PANELS} hinged panels that spins freely: eigenvalues [1/s]"
+    verify(S, what, nearest(found.values, wanted[:2]), wanted[:2], "equations of the slopes", relative=1e-4)

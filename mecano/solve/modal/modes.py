@@ -33,6 +33,7 @@ CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
 EQUAL = 1e-6  # relative difference of moduli up to which rounding determines their order
 DRIFTS = 1e-2  # of the terms of (2 value M + C) y, and of a value: rounding of a drift in axes that turn
+SLOW = 1e-3  # of the largest eigenvalue: those that may be zeros of a Jordan chain, split by rounding
 GROWING = ("flutter", "divergence")
 FIRST, MOST = 40, 320  # modes of a large model that are computed first, and at most, to find all of a range
 
@@ -108,7 +109,8 @@ def solve(lin: Linearization, number: int = 10, method: str = "automatic") -> Mo
     if method != "automatic":
         return _found(scaled, lin, number, method)
     if lin.n_q > DENSE:
-        return _found(scaled, lin, number, "sparse")
+        found = _found(scaled, lin, number, "sparse")
+        return found if found.converged.all() else _about_larger_shift(scaled, lin, number, found)
     found = _found(scaled, lin, number, "dense")
     if found.converged.all():
         return found
@@ -129,9 +131,22 @@ def poles_up_to(lin: Linearization, omega: float) -> np.ndarray:
         number *= 2
 
 
-def _found(scaled, lin, number, method):
-    """Return the Modes of a method."""
-    values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
+def _about_larger_shift(scaled, lin, number, found):
+    """Return the Modes about a larger shift, or those ``found`` where they are more accurate."""
+    try:
+        return _better(found, _found(scaled, lin, number, "sparse", far=True))
+    except ConvergenceError:
+        return found
+
+
+def _better(found, other):
+    """Return the one of two Modes that is more accurate."""
+    return other if other.residuals.max() < found.residuals.max() else found
+
+
+def _found(scaled, lin, number, method, *, far=False):
+    """Return the Modes of a method; ``far``: about a larger shift."""
+    values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number, far=far)
     values, shapes = (values, shapes) if method == "dense" else _without_chains(scaled, values, shapes)
     free = _free_shapes(scaled) if method == "dense" else np.zeros((0, scaled.n_q))
     exact = method == "dense" and scaled.on_velocity.any() and np.sum(values == 0.0) >= len(free)  # zeros are deflated
@@ -193,7 +208,7 @@ def _nearest_to_zero(scaled, lin, number, found):
     except ConvergenceError:
         return found
     enough = len(nearest.values) >= min(number, len(found.values))
-    return nearest if enough and nearest.residuals.max() < found.residuals.max() else found
+    return _better(found, nearest) if enough else found
 
 
 def _normal(shape):
@@ -224,9 +239,9 @@ def _without_chains(scaled, values, shapes):
     Their shapes are y + value z and y - value z, with a motion y without stiffness, as of a rotor that turns freely.
     """
     found, even = values.copy(), shapes.copy()
-    for i, (value, y) in enumerate(zip(values, shapes, strict=True)):
-        j = np.argmin(np.abs(values + value))
-        if abs(values[j] + value) > TWINS * abs(value) or _forces(scaled, value, y) > FREE * _terms(scaled, y):
+    for i in np.flatnonzero(np.abs(values) <= SLOW * np.abs(values).max(initial=0.0)):
+        value, y, j = values[i], shapes[i], np.argmin(np.abs(values + values[i]))
+        if abs(values[j] + value) > TWINS * abs(value):
             continue
         both = y + np.exp(1j * np.angle(np.vdot(shapes[j], y))) * shapes[j]
         if np.linalg.norm(_strain(scaled, both)) <= _of_rounding(scaled, both):

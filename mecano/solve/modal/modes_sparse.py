@@ -28,8 +28,11 @@ RESTARTS = 40  # of Arnoldi's method: separate eigenvalues need one or two; thos
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
-def sparse(scaled: SmallMotions, number: int) -> tuple[np.ndarray, np.ndarray, str]:
-    """Return the eigenvalues nearest to a small shift: (values (m,), shapes (m, n_q), name of the method)."""
+def sparse(scaled: SmallMotions, number: int, *, far: bool = False) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return the eigenvalues nearest to a small shift: (values (m,), shapes (m, n_q), name of the method).
+
+    ``far``: only the larger shifts, about which rounding of the double zeros of free motions perturbs others less.
+    """
     mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
         return dense(scaled)
@@ -39,7 +42,7 @@ def sparse(scaled: SmallMotions, number: int) -> tuple[np.ndarray, np.ndarray, s
     M, _, K = scaled.full
     rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
     try:
-        for inverse, shift in _shifted(scaled, rate):
+        for inverse, shift in _shifted(scaled, rate, SHIFTS[2:] if far else (None, *SHIFTS)):
             of = (scaled, inverse, shift)
             found = _lanczos(*of, wanted) if scaled.undamped else _arnoldi(*of, 2 * wanted)
             if shift or np.abs(found[0]).min(initial=np.inf) > SINGULAR * rate:
@@ -49,16 +52,17 @@ def sparse(scaled: SmallMotions, number: int) -> tuple[np.ndarray, np.ndarray, s
     raise ConvergenceError("the modes were not found: the bordered stiffness is singular at any shift")
 
 
-def _shifted(scaled, rate):
-    """Yield the solution functions of the bordered K + s C + s^2 M, and the shifts s, the first zero if K is regular.
+def _shifted(scaled, rate, powers):
+    """Yield the solution functions of the bordered K + s C + s^2 M, and those of the shifts s at which it is regular.
 
-    ``rate`` [1/s] is the mean frequency. If K is singular to rounding, the eigenvalue closest to zero hides all others.
+    ``rate`` [1/s] is the mean frequency; the shifts are rate 10^power, for the power None zero. If K is singular to
+    rounding, the eigenvalue closest to zero hides all others.
     """
     M, C, K = scaled.full
     k = float(abs(K.diagonal()[: scaled.n_q]).mean()) or 1.0
     n_q = scaled.n_q
     border = sp.diags(np.concatenate([np.ones(n_q), np.full(K.shape[0] - n_q, k)]))
-    for shift in (0.0, *(rate * 10.0**power for power in SHIFTS)):
+    for shift in (0.0 if power is None else rate * 10.0**power for power in powers):
         matrix = sp.coo_matrix(border @ (K + shift * C + shift**2 * M) @ border + _penalty(scaled, k))
         solver = LinearSolver(Pattern(K.shape[0], matrix.row, matrix.col, scaled.groups))
         x, b = np.zeros(K.shape[0]), np.random.default_rng(2).normal(size=K.shape[0])
