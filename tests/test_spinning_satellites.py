@@ -182,7 +182,7 @@ def test_a_free_boom_that_spins_bends_and_does_not_flutter(mesh, within, verify)
     verify(S, what, seen_ones, wanted, "Ritz", relative=within)
 
 
-PANELS, SPRING, DRAG = 28, 500.0, 0.1  # hinged panels of 1 m and 2 kg; moment per rad, and per rad/s
+PANELS, SPRING, DRAG = 40, 500.0, 0.1  # hinged panels of 1 m and 2 kg; moment per rad, and per rad/s
 
 
 def of_panels(n=2.0, m=2.0, J=(0.1, 0.2, 0.25)):
@@ -204,7 +204,10 @@ def of_panels(n=2.0, m=2.0, J=(0.1, 0.2, 0.25)):
 
 
 def test_a_long_chain_of_panels_spins_freely_about_a_skew_axis(verify):
-    """Its double zeros perturb other modes of a large model in proportion to the square of the shift of the solver."""
+    """Its double zeros perturb other modes of a large model in proportion to the square of the shift of the solver.
+
+    Its constraints turn with the panels, and hold the same motions at any time.
+    """
     R = Rotation.from_rotvec([0.5, 0.3, -0.4]).as_matrix()
     at = [f"[(PLACE)*{x!r}, (PLACE)*{y!r}, (PLACE)*{z!r}]" for x, y, z in [R[:, 0].tolist()]][0]
     middle, left, right = (at.replace("PLACE", f"$i - {PANELS // 2} - {past}") for past in (0.5, 1.0, 0.0))
@@ -225,7 +228,8 @@ def test_a_long_chain_of_panels_spins_freely_about_a_skew_axis(verify):
         initial: {{steady: {{angular_velocity: {axis}, about: [0, 0, 0]}}}}
         time: {{end: 1, step: 1 ms}}
     """
-    _, found, _ = modes(deck(text), None, number=8, frame=",".join(map(str, axis)))
+    said, found, _ = modes(deck(text), None, number=8, frame=",".join(map(str, axis)))
+    assert "not constant" not in said
     assert found.converged.all() and set(found.kinds) == {"free", "oscillation"}
     wanted = of_panels()
     what = f"chain of {PANELS} hinged panels that spins freely: eigenvalues [1/s]"

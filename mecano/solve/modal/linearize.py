@@ -36,7 +36,7 @@ from mecano.model.state import State
 from mecano.model.system import System
 from mecano.solve.diagnostics.scales import NO_STIFFNESS
 from mecano.solve.events.compliance import Compliance
-from mecano.solve.modal.small_motions import DENSE_ROWS
+from mecano.solve.modal.small_motions import DENSE_ROWS, regularized_factors
 from mecano.solve.time.increments import displaced, moved
 
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
@@ -222,11 +222,17 @@ def _changes(near, far, n_q):
 
 
 def _outside(rows, change):
-    """Return the part of ``change`` (columns) outside the span of ``rows``; all of it above DENSE_ROWS columns."""
-    if not rows.shape[0] or rows.shape[1] > DENSE_ROWS:
+    """Return the part of ``change`` (columns) outside the span of ``rows``; all of it above DENSE_ROWS rows."""
+    if not rows.shape[0] or rows.shape[0] > DENSE_ROWS:
         return change.T.tocsr()
-    A, change = rows.T.toarray(), change.T.toarray()
-    return change - A @ np.linalg.lstsq(A, change, rcond=1e-9)[0]
+    if rows.shape[1] <= DENSE_ROWS:
+        A, change = rows.T.toarray(), change.T.toarray()
+        return change - A @ np.linalg.lstsq(A, change, rcond=1e-9)[0]
+    A, change = rows.T.tocsr(), change.T.toarray()
+    factors = regularized_factors((A.T @ A).tocsc())
+    for _ in range(2):  # the second time removes what the regularization has left
+        change = change - A @ factors.solve(A.T @ change)
+    return change
 
 
 def _matrices_after(system, s, w, dt, assemble):
@@ -242,13 +248,18 @@ def _matrices_after(system, s, w, dt, assemble):
 
 
 def _react(system, s, assemble):
-    """Set the reactions of ``s`` in place to those that balance its motion: some have inertial components.
-
-    With more than DENSE_ROWS motions they are left unchanged.
-    """
+    """Set the reactions of ``s`` in place to those that balance its motion: some have inertial components."""
     n_q, n = system.n_q, system.n
-    if not system.n_l or n_q > DENSE_ROWS:
+    if not system.n_l:
         return
     assembly, motions = assemble(s, cK=1.0), ~system.signals
-    D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
-    s.z[n_q:n] -= np.linalg.lstsq(D[motions], assembly.residual[:n_q][motions], rcond=1e-12)[0]
+    D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:][motions]
+    r = assembly.residual[:n_q][motions]
+    if n_q <= DENSE_ROWS:
+        s.z[n_q:n] -= np.linalg.lstsq(D.toarray(), r, rcond=1e-12)[0]
+        return
+    factors = regularized_factors((D.T @ D).tocsc())
+    for _ in range(2):
+        z = factors.solve(D.T @ r)
+        s.z[n_q:n] -= z
+        r = r - D @ z

@@ -107,9 +107,12 @@ class SmallMotions:
 
     @cached_property
     def _normal(self):
-        """The factors of D^T D, regularized, because constraints may be redundant."""
-        N = (self.D.T @ self.D).tocsc()
-        return spla.splu(N + REGULARIZED * (N.diagonal().max() or 1.0) * sp.identity(N.shape[0], format="csc"))
+        return regularized_factors((self.D.T @ self.D).tocsc())
+
+
+def regularized_factors(N: sp.csc_matrix) -> spla.SuperLU:
+    """Return the factors of the normal matrix N (n, n) of constraints, regularized, because some may be redundant."""
+    return spla.splu(N + REGULARIZED * (N.diagonal().max() or 1.0) * sp.identity(N.shape[0], format="csc"))
 
 
 def _least_squares(A, b):
