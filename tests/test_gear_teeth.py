@@ -270,6 +270,47 @@ OPENING = """
 """
 
 
+def test_modes_of_a_planetary_gear_with_elastic_teeth(verify):
+    """Sun, carrier and three planets, the ring held (A. Kahraman, J. Sound Vib. 173, 1994): angles are the unknowns."""
+    r_s, r_r, r_p, J_s, J_c, J_p, m_p, k_s, k_r = 0.024, 0.1, 0.038, 5e-4, 2e-2, 6e-4, 0.6, 1e8, 1.2e8
+    r_c = r_s + r_p
+    M, K = np.diag([J_s, J_c + 3.0 * m_p * r_c**2, J_p, J_p, J_p]), np.zeros((5, 5))
+    for planet in np.eye(3):
+        for k, on_sun, on_carrier in ((k_s, r_s, -r_s - r_p), (k_r, 0.0, r_r - r_p)):
+            travel = np.array([on_sun, on_carrier, *(r_p * planet)])
+            K += k * np.outer(travel, travel)
+    wanted = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)[1:]) / (2.0 * np.pi)
+    place = f"['{r_c}*cos(2*pi*$i/3)', '{r_c}*sin(2*pi*$i/3)', 0]"
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          sun: {{position: [0, 0, 0]}}
+          carrier: {{position: [0, 0, 0]}}
+          ring: {{position: [0, 0, 0], fixed: true}}
+          seat$i: {{repeat: {{i: 0..2}}, position: {place}}}
+          planet$i: {{repeat: {{i: 0..2}}, position: {place}}}
+        elements:
+          sun: {{type: rigid_body, node: sun, mass: 1, inertia: [1e-3, 1e-3, {J_s}]}}
+          carrier: {{type: rigid_body, node: carrier, mass: 1, inertia: [1e-2, 1e-2, {J_c}],
+            attached: [seat0, seat1, seat2]}}
+          planet$i: {{repeat: {{i: 0..2}}, type: rigid_body, node: planet$i, mass: {m_p}, inertia: [1e-3, 1e-3, {J_p}]}}
+        joints:
+          shaft_$i: {{repeat: {{i: [sun, carrier]}}, type: hinge, nodes: [ground, $i], axis: [0, 0, 1]}}
+          pin$i: {{repeat: {{i: 0..2}}, type: hinge, nodes: [seat$i, planet$i], axis: [0, 0, 1]}}
+          inner$i: {{repeat: {{i: 0..2}}, type: gear_pair, nodes: [carrier, sun, planet$i], axis_a: [0, 0, 1],
+            radius_a: {r_s}, radius_b: {r_p}, teeth: {{stiffness: {k_s}}}}}
+          outer$i: {{repeat: {{i: 0..2}}, type: gear_pair, nodes: [carrier, planet$i, ring], axis_a: [0, 0, 1],
+            radius_a: {r_p}, radius_b: {r_r}, teeth: {{stiffness: {k_r}}}}}
+        time: {{end: 1, step: 1 ms}}
+    """
+    _, found, _ = modes(deck(text), None)
+    assert found.kinds == ["free"] + ["oscillation"] * 4
+    verify(
+        S, "planetary gear with elastic teeth: frequencies [Hz]", found.frequency[1:], wanted, "5 x 5", relative=1e-9
+    )
+
+
 def test_flanks_open_where_all_forces_vanish():
     """There the rounding of angles, in short steps, is a force far above a share of all others.
 

@@ -1,7 +1,8 @@
-"""Gravity gradient: libration of a satellite, relative motion on an orbit, equilibrium of a tether."""
+"""Gravity gradient: libration of a satellite, relative motion on an orbit, tethers at rest and paid out."""
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 from time_runs import RecordedRun, deck, input_deck
 
@@ -30,6 +31,37 @@ def test_libration_and_relative_motion(verify):
     known = [_libration(t), np.cos(N * t), -2.0 * np.sin(N * t), 0.5 * np.cos(N * t)]
     what = "gravity gradient: libration of 40 degrees [rad], relative ellipse [100 m]"
     verify.second_order("Gravity", what, *np.array(found), np.array(known), 3e-5, "elliptic function; ellipse")
+
+
+def test_a_tether_that_is_paid_out_librates(verify):
+    """At the length L and the angle q to the vertical: q'' + 2 L'/L (q' + n) + 3 n^2 sin q cos q = 0.
+
+    Its tension is that of the reduced mass m: m L ((q' + n)^2 - n^2 (1 - 3 cos^2 q)), as L'' = 0.
+    """
+    first, rate = 100.0, 0.2
+    swing = lambda t, y: [y[1], -2.0 * rate / (first + rate * t) * (y[1] + N) - 1.5 * N * N * np.sin(2.0 * y[0])]  # noqa: E731
+    x, y = 50.0 * np.cos(0.3), 50.0 * np.sin(0.3)
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{up: {{position: [{x}, {y}, 0]}}, low: {{position: [{-x}, {-y}, 0]}}}}
+        elements: {{$i: {{repeat: {{i: [up, low]}}, type: point_mass, node: $i, mass: 10}}}}
+        joints: {{tether: {{type: prescribed_length, nodes: [up, low], length: {first} + {rate}*time}}}}
+        loads:
+          $i: {{repeat: {{i: [up, low]}}, type: gravity_gradient, node: $i, mass: 10, rate: {N}, normal: [0, 0, 1],
+            radial: [1, 0, 0]}}
+        initial: {{velocities: [{{nodes: [up, low], angular_velocity: [0, 0, {N}], about: [0, 0, 0]}}]}}
+        time: {{end: 3000, step: 2, method: radau}}
+    """
+    m = RecordedRun(deck(text))
+    t = m.time[1:]
+    q, q_rate = solve_ivp(swing, (0.0, 3000.0), [0.3, 0.0], "DOP853", t, rtol=1e-11, atol=1e-13).y
+    length = first + rate * t
+    half = 0.5 * length * np.array([np.cos(N * t + q), np.sin(N * t + q)])
+    what = "tether paid out from 100 to 700 m in orbit"
+    verify("Gravity", f"{what}: place [m]", m["nodes/up/position"][1:, :2], half.T, "SciPy", absolute=1e-5)
+    tension = 5.0 * length * ((q_rate + N) ** 2 - N * N * (1.0 - 3.0 * np.cos(q) ** 2))
+    verify("Gravity", f"{what}: tension [N]", -m["joints/tether/force"][1:], tension, "SciPy", relative=1e-6)
 
 
 def test_a_vertical_tether_is_in_equilibrium():
