@@ -117,6 +117,21 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
 
 
 @pytest.mark.parametrize(
+    ("key", "hint"),
+    [("release: {time: 1}", "a hinge with a 'lock' between its wheel"), ("joints: [a, b]", "a relation of the coord")],
+)
+def test_a_gear_pair_has_no_release_and_no_joints(key, hint):
+    (problem,) = problems(WORM.replace("radius_a: 0.02, ratio: 9", f"radius_a: 0.02, ratio: 9, {key}"))
+    assert "unknown key" in problem.message and problem.hint.startswith(hint)
+
+
+def test_a_load_has_no_release():
+    load = "loads: {push: {type: force, node: a, direction: [1, 0, 0], value: 1, release: {time: 1}}}\ntime:"
+    (problem,) = problems(MOTOR.replace("time:", load))
+    assert problem.hint.startswith("a load ends when its value does")
+
+
+@pytest.mark.parametrize(
     ("old", "new", "words", "hint"),
     [
         ("type: hinge", "type: Revolute_joint", "unknown type 'Revolute_joint'", "here it is called 'hinge'"),

@@ -23,6 +23,7 @@ IN_PLACE = {  # key -> (key that is known in its place, hint)
     "inner_diameter": ("thickness", "give the 'thickness' of the wall, half the difference of both diameters"),
     "inner_radius": ("thickness", "give the 'thickness' of the wall, the difference of both radii"),
 }
+CLUTCH = "a hinge with a 'lock' between its wheel and the shaft engages and disengages it (docs/gears.md, Dog clutches)"
 ELSEWHERE = {  # names of keys: a key that is known there, where the value is given
     ("velocity", "velocities", "angular_velocity"): (
         "position", "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]"
@@ -38,6 +39,10 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
     ("rate", "rates", "speed", "speeds"): (
         "velocities", "give the velocities of the bodies, velocities: [{nodes: [...], angular_velocity: [...]}]"
     ),
+    ("release", "activate", "lock", "clutch"): ("radius_a", CLUTCH),
+    ("release", "activate", "lock"): ("factors", CLUTCH),
+    ("joints",): ("radius_a", "a relation of the coordinates of joints is a 'coupler', or a 'nonlinear_coupler'"),
+    ("release", "activate"): ("value", "a load ends when its value does, such as a signal 'switch' of the time"),
     ("plane", "planar", "dimension", "dimensions"): (
         "gravity", "all models are in space: parallel hinges, or joints 'planar', keep a mechanism in its plane"
     ),

@@ -44,13 +44,15 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
     """Return the figure of the saved configurations nearest to ``times`` [s], on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
-    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style not in (MASS, JOINT, SUPPORT)]
+    drawn = shapes(Motion(run, rows))
+    shown = [shape for shape in drawn if shape.style not in (MASS, JOINT, SUPPORT)]
     if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
     matrix = _matrix(run, shown)
     lines = [(shape, shape.points @ matrix.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
     supports = [run.results.find(f"nodes/{name}/position").values[rows] @ matrix.T for name in fixed]
+    supports += [shape.points[:, 0] @ matrix.T for shape in drawn if shape.style == SUPPORT]
     colours = {shape.name: PALE if shape.style in (CABLE, GUIDE) else INK for shape in shown}
     patches = [_patches(run, shown, matrix, i) for i in range(len(rows))]
     shift, low, high = _frame(np.concatenate([*(points for _, points in lines), *zip(*patches, strict=True)], axis=1))
@@ -59,7 +61,7 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
         columns = min(COLUMNS, len(rows))
         high_rows = math.ceil(len(rows) / columns)
         aspect = min((high[1] - low[1] + 2 * room) / (high[0] - low[0] + 2 * room), TALLEST)
-        heading = _heading(run, travels=bool(shift.any()), fixed=bool(fixed))
+        heading = _heading(run, travels=bool(shift.any()), supported=bool(supports))
         figure = plain_figure(columns * WIDTH, high_rows * (WIDTH * aspect + 0.3), title, heading)
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
@@ -102,10 +104,10 @@ def _frame(points):
     return shift, (low - shift).min(axis=0), (high - shift).max(axis=0)
 
 
-def _heading(run, travels, fixed):
+def _heading(run, travels, supported):
     """Return the heading of the figure."""
     of = f"configurations of {run.label}" if run.label else "configurations"
-    return of + ", all on one scale" + ", each about its middle" * travels + "; dots: fixed nodes" * fixed
+    return of + ", all on one scale" + ", each about its middle" * travels + "; dots: supports" * supported
 
 
 def _named(saved, requested):
