@@ -638,10 +638,11 @@ def test_configurations_show_ground_and_axes_and_say_whose_they_are(runs):
 
 def test_configurations_mark_supports_of_nodes_and_of_joints_on_the_ground(tmp_path):
     """Of a pendulum that hangs on a hinge, and of a spring that hangs on a fixed node."""
-    example = Path("inputs/pendulum.yaml").read_text()
+    example = (INPUTS / "pendulum.yaml").read_text()
     deck = example.replace("nodes:\n", "nodes:\n  hook: {position: [0.5, 0, 1], fixed: true}\n", 1)
-    (tmp_path / "deck.yaml").write_text(deck)
-    mecano.run(tmp_path / "deck.yaml", tmp_path / "run.h5", set=["time.end=0.01"], quiet=True)
+    spring = "elements:\n  spring: {type: spring_damper, nodes: [hook, pin], law: {spring: 1}}\n"
+    (tmp_path / "deck.yaml").write_text(deck.replace("elements:\n", spring, 1))
+    mecano.run(tmp_path / "deck.yaml", tmp_path / "run.h5", set={"time.end": 0.01}, quiet=True)
     drawn = configurations_figure(open_runs([tmp_path / "run.h5"])[0], [0.0], "")
     marks = {tuple(np.ravel(line.get_xydata())) for line in drawn.axes[0].lines if line.get_marker() == "o"}
     assert marks == {(0.5, 1.0), (0.0, 0.0)}
