@@ -145,3 +145,31 @@ def test_newmark_without_damping_is_of_second_order():
         m = RecordedRun(deck(text + f"    time: {{end: 2.0, step: {h}, method: newmark, rho_inf: 1.0}}\n"))
         errors.append(abs(m["nodes/a/position"][-1][0] - (0.5 + 0.5 * np.cos(4.0))))  # omega = 2 rad/s
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2.0, 2.0], abs=0.05)
+
+
+CARRIED = """
+    mecano: 1
+    gravity: none
+    nodes: {wall: {position: [0, 0, 0], fixed: true}, mid: {position: [0, 0, 0.1]}, end: {position: [0, 0, 0.2]}}
+    elements:
+      block: {type: point_mass, node: end, mass: 1}
+      mount: {type: spring_damper, nodes: [wall, mid], law: {spring: 4e5}}
+      damper: {type: spring_damper, nodes: [mid, end], law: {damper: 2000}}
+    joints: {drive: {type: prescribed_position, node: end, direction: [0, 0, 1], rate: 0.06}}
+    initial: {velocities: [{nodes: [end, NODE], velocity: [0, 0, 0.06]}]}
+    time: {end: 0.02, step: STEP}
+"""
+
+
+def test_a_node_without_mass_that_a_damper_carries():
+    """x = v T (1 - exp(-t/T)), T = 5 ms: first order from rest, off by h v/2; second order from the velocity v."""
+    errors = {}
+    for node in ("end", "mid"):
+        for h in (5e-4, 2.5e-4):
+            text = CARRIED.replace("[end, NODE]", "[end]" if node == "end" else "[end, mid]").replace("STEP", f"{h}")
+            m = RecordedRun(deck(text))
+            x = m["nodes/mid/position"][:, 2] - 0.1
+            errors[node, h] = np.abs(x - 0.06 * 5e-3 * (1.0 - np.exp(-m.time / 5e-3))).max()
+            assert errors[node, h] < 0.5 * 0.06 * h
+    assert errors["end", 5e-4] / errors["end", 2.5e-4] == pytest.approx(2.0, abs=0.15)
+    assert errors["mid", 5e-4] / errors["mid", 2.5e-4] == pytest.approx(4.0, abs=0.2)
