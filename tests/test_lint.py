@@ -798,6 +798,32 @@ def test_misplaced_bodies(override, said):
     assert len(found) == bool(said) and all(said in one for one in found)
 
 
+@pytest.mark.parametrize(
+    ("center", "said"),
+    [
+        ([0.5, 0, 0.75], "its centre of mass is 0.559 m from its nodes"),  # (0.5^2 + 0.25^2)^(1/2)
+        ([0.5, 0, 0.75], "is [0, 0, 0.25] meant?"),
+        ([0, 0, 0.25], ""),
+        ([0, 0, -0.25], ""),  # a counterweight
+        ([0.5, 0, 0.3], ""),  # neither is among its nodes
+    ],
+)
+def test_a_centre_of_mass_beside_the_nodes_of_its_body(center, said):
+    """Among all nodes of the model, but not among its own, where it would be if it counted from the origin."""
+    base = deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {pin: {position: [0.5, 0, 0.5]}, end: {position: [0.5, 0, 1]}, wall: {position: [9, 0, 0], fixed: true}}
+        elements:
+          bar: {type: rigid_body, node: pin, mass: 1, inertia: [1, 1, 1], attached: [end]}
+          spring: {type: spring_damper, nodes: [wall, end], law: {spring: 9}}
+        joints: {pin: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+        time: {end: 1, step: 0.01}
+        """)
+    found = deck_of_bytes(base.text.encode(), "test.yaml", overrides=[f"elements.bar.center_of_mass={center}"]).warnings
+    assert [said in one.message for one in found] == [True] * bool(said)
+
+
 SIZE = (
     "friction: 0.5, slip_regularization: 0.1, "
     "smiley_horne: {diameter: 820 mm, width: 245 mm, pressure: 9.5 bar, rated_pressure: 10 bar"

@@ -10,6 +10,8 @@ from mecano.errors import LocatedWarning
 from mecano.laws.law_table import breakpoints
 from mecano.schema import Values
 
+ROOM = 0.05  # of the size of a body, as AMONG in misplaced_bodies.py
+
 
 class Check(NamedTuple):
     """A check: the function ``name`` in a module of mecano/deck, and a condition on the decks that it concerns."""
@@ -58,14 +60,32 @@ def _prescribes_corners(values, kinds):
     return any(breakpoints(law) or any(name == "table" for name, _ in law) for law in laws if isinstance(law, tuple))
 
 
-def _has_distant_bodies(values, kinds):
-    """Return whether a centre of mass is farther away than any two nodes, or a node is attached to two bodies."""
-    along = list(zip(*(node["position"] for node in values["nodes"].values()), strict=True))
-    size = math.dist([min(x) for x in along], [max(x) for x in along])
+def _has_misplaced_bodies(values, kinds):
+    """Return whether a centre of mass is far away or may count from the origin, or a node is attached to two bodies."""
+    low, high = _box(values["nodes"].values())
+    size = math.dist(low, high)
     bodies = values["elements"].values()
     attached = [node for d in bodies for node in d.get("attached") or ()]
     far = size > 0.0 and any(math.hypot(*d.get("center_of_mass", ())) > size for d in bodies)
-    return far or len(set(attached)) < len(attached)
+    return far or len(set(attached)) < len(attached) or any(_may_count_from_origin(d, values["nodes"]) for d in bodies)
+
+
+def _may_count_from_origin(d, nodes):
+    """Return whether a centre of mass may count from the origin: it would be among its nodes, which are not turned."""
+    if not d.get("attached") or not any(d.get("center_of_mass", ())):
+        return False
+    node = nodes[d["node"]]
+    if not any(node["position"]) or any(node["orientation"]):
+        return False
+    low, high = _box([nodes[node] for node in (d["node"], *d["attached"])])
+    room = ROOM * math.dist(low, high)
+    return all(a - room <= x <= b + room for a, x, b in zip(low, d["center_of_mass"], high, strict=True))
+
+
+def _box(nodes):
+    """Return the least and the largest coordinates of the positions of nodes."""
+    along = list(zip(*(node["position"] for node in nodes), strict=True))
+    return [min(x) for x in along], [max(x) for x in along]
 
 
 CHECKS = (
@@ -79,7 +99,7 @@ CHECKS = (
     Check("idle_axes", "idle_axes", _counting_angles("elements", "loads")),
     Check("idle_axes", "idle_racks", _any("joints", lambda d: {"direction", "radius"} <= d.keys())),
     Check("jumping_motions", "jumping_motions", _prescribes_corners),
-    Check("misplaced_bodies", "misplaced_bodies", _has_distant_bodies, False),
+    Check("misplaced_bodies", "misplaced_bodies", _has_misplaced_bodies, False),
     Check("large_frictions", "large_frictions", _has_friction, False),
     Check("orbits", "orbits", _any("loads", lambda d: d["type"] == "gravity_gradient"), False),
     Check("delayed_inputs", "delayed_inputs", _any("signals", lambda d: d["type"] == "delay"), False),
