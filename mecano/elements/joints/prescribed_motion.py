@@ -9,8 +9,8 @@ zero if the deck gives the distance itself; an angle may cover many turns. f is 
 The ``rate`` u is a law of time, integrated exactly, or a formula of signals: then :math:`\dot c - u = 0` is a
 constraint on velocities, and c follows from the integration in time, from c_0 at the start of the run on.
 The multiplier is the load along c: a force along n, a moment on b about the axis, or a force that pushes the nodes
-apart. With a ``release`` the drive lets go. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings; with
-a rate, :math:`k\lambda\, u`.
+apart. After its ``release`` the drive exerts no force. Its power :math:`k\lambda\, \dot f` is supplied by the
+surroundings; with a rate, :math:`k\lambda\, u`.
 """
 
 from dataclasses import replace
