@@ -39,6 +39,7 @@ from mecano.solve.events.compliance import Compliance
 from mecano.solve.modal.small_motions import DENSE_ROWS, regularized_factors
 from mecano.solve.time.increments import displaced, moved
 
+MOST_NUMBERS = 2e7  # of a dense matrix of constraints: 160 MB
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding errors, as of a drive at its turning point
 
@@ -222,8 +223,8 @@ def _changes(near, far, n_q):
 
 
 def _outside(rows, change):
-    """Return the part of ``change`` (columns) outside the span of ``rows``; all of it above DENSE_ROWS rows."""
-    if not rows.shape[0] or rows.shape[0] > DENSE_ROWS:
+    """Return the part of ``change`` (columns) outside the span of ``rows``; all of it if they have too many numbers."""
+    if not rows.shape[0] or rows.shape[0] * rows.shape[1] > MOST_NUMBERS:
         return change.T.tocsr()
     if rows.shape[1] <= DENSE_ROWS:
         A, change = rows.T.toarray(), change.T.toarray()
