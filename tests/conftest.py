@@ -29,6 +29,12 @@ def pytest_addoption(parser):
     parser.addoption("--verification", metavar="FILE", help="run the tests of the verification manual, and write it")
 
 
+@pytest.hookimpl(optionalhook=True)  # of pytest-xdist
+def pytest_xdist_auto_num_workers():
+    """Run one more process than there are cores for ``-n auto``: many tests wait for commands that they start."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_configure(config):
     path = config.getoption("--verification")
     if path:
