@@ -36,7 +36,7 @@ from mecano.model.state import State
 from mecano.model.system import System
 from mecano.solve.diagnostics.scales import NO_STIFFNESS
 from mecano.solve.events.compliance import Compliance
-from mecano.solve.modal.small_motions import DENSE_ROWS, regularized_factors
+from mecano.solve.modal.small_motions import DENSE_ROWS, SparseLeastSquares
 from mecano.solve.time.increments import displaced, moved
 
 MOST_NUMBERS = 2e7  # of a dense matrix of constraints: 160 MB
@@ -230,10 +230,7 @@ def _outside(rows, change):
         A, change = rows.T.toarray(), change.T.toarray()
         return change - A @ np.linalg.lstsq(A, change, rcond=1e-9)[0]
     A, change = rows.T.tocsr(), change.T.toarray()
-    factors = regularized_factors((A.T @ A).tocsc())
-    for _ in range(2):  # the second time removes what the regularization has left
-        change = change - A @ factors.solve(A.T @ change)
-    return change
+    return change - A @ SparseLeastSquares(A).solve(change)
 
 
 def _matrices_after(system, s, w, dt, assemble):
@@ -256,11 +253,5 @@ def _react(system, s, assemble):
     assembly, motions = assemble(s, cK=1.0), ~system.signals
     D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:][motions]
     r = assembly.residual[:n_q][motions]
-    if n_q <= DENSE_ROWS:
-        s.z[n_q:n] -= np.linalg.lstsq(D.toarray(), r, rcond=1e-12)[0]
-        return
-    factors = regularized_factors((D.T @ D).tocsc())
-    for _ in range(2):
-        z = factors.solve(D.T @ r)
-        s.z[n_q:n] -= z
-        r = r - D @ z
+    dense = n_q <= DENSE_ROWS
+    s.z[n_q:n] -= np.linalg.lstsq(D.toarray(), r, rcond=1e-12)[0] if dense else SparseLeastSquares(D).solve(r)

@@ -99,20 +99,30 @@ class SmallMotions:
         """Return the multipliers mu that minimize |r + D mu| for r (n_q,)."""
         if self.n_q <= FEW:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
-        mu = np.zeros(self.D.shape[1], complex)
-        for _ in range(REFINED):
-            rest = self.D.T @ (r + self.D @ mu)
-            mu -= self._normal.solve(rest.real) + 1j * self._normal.solve(rest.imag)
-        return mu
+        return self._balance.solve(-r.real) + 1j * self._balance.solve(-r.imag)
 
     @cached_property
-    def _normal(self):
-        return regularized_factors((self.D.T @ self.D).tocsc())
+    def _balance(self):
+        return SparseLeastSquares(self.D)
 
 
-def regularized_factors(N: sp.csc_matrix) -> spla.SuperLU:
-    """Return the factors of the normal matrix N (n, n) of constraints, regularized, because some may be redundant."""
-    return spla.splu(N + REGULARIZED * (N.diagonal().max() or 1.0) * sp.identity(N.shape[0], format="csc"))
+class SparseLeastSquares:
+    """Solutions x that minimize |A x - b|, for a sparse real A (m, n) whose columns may depend on one another.
+
+    The normal matrix is regularized and factored once; further solutions remove what the regularization has left.
+    """
+
+    def __init__(self, A: sp.sparray | sp.spmatrix):
+        self._A, N = A, (A.T @ A).tocsc()
+        share = REGULARIZED * (N.diagonal().max() or 1.0)
+        self._factors = spla.splu(N + share * sp.identity(N.shape[0], format="csc"))
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        """Return x (n,) or (n, k) for b (m,) or (m, k), real."""
+        x = np.zeros((self._A.shape[1], *b.shape[1:]))
+        for _ in range(REFINED):
+            x += self._factors.solve(self._A.T @ (b - self._A @ x))
+        return x
 
 
 def _least_squares(A, b):
