@@ -9,6 +9,7 @@ import ast
 import keyword
 import math
 import re
+from itertools import accumulate
 from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
@@ -30,26 +31,6 @@ SEVERAL = {"min": MIN, "max": MAX}  # of two arguments or more
 OF_THREE = {"step": STEP, "step_slope": STEP_SLOPE, "step_bend": STEP_BEND}
 """Of x and the ends a, b of the edge: the step, and its first two derivatives by (x - a)/(b - a), for its rates."""
 FUNCTIONS = (*UNARY, *BINARY, *SEVERAL, "step")
-SMOOTH = "step(x, a, b) is 0 until x = a, 1 from x = b on, and smooth between"
-ELSEWHERE = {  # functions of other programs, and what stands for them in a deck
-    **dict.fromkeys(("step5", "havsin"), SMOOTH),
-    **dict.fromkeys(
-        ("akispl", "cubspl", "spline", "poly"),
-        "write a law, such as {table: ...}, as the value, or in a signal of the type 'curve' whose name stands in the "
-        "formula",
-    ),
-    **dict.fromkeys(("degrees", "radians"), "angles are in radians; multiply by 180/pi, or by pi/180"),
-    **dict.fromkeys(("if", "where"), "a signal of the type 'switch' selects one of two formulas"),
-    **dict.fromkeys(("dx", "dy", "dz", "dm"), "a position is written node.position.x, a distance is the length of a "
-                    "'spring_damper'"),
-    **dict.fromkeys(("vx", "vy", "vz", "vm", "vr"), "a velocity is written node.velocity.x"),
-    **dict.fromkeys(("ax", "ay", "az"), "an angle is that of a joint, hinge.angle, or of an element 'attitude'"),
-    **dict.fromkeys(("wx", "wy", "wz", "wm"), "an angular velocity is written node.angular_velocity.x"),
-    **dict.fromkeys(("fx", "fy", "fz", "fm"), "a force is written joint.force.x, in the axes of the joint"),
-    **dict.fromkeys(("impact", "bistop"), "write a 'contact', or a law with the term 'stop'"),
-    "ln": "the natural logarithm is written log",
-    "pow": "a power is written with **, as in x**2",
-}  # fmt: skip
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]"  # 100 rpm
@@ -119,7 +100,9 @@ def _cause(body):
     if body.count("(") < body.count(")"):
         return "a bracket is closed that was not opened"
     if re.search(r"\bif *\(", body, re.IGNORECASE):
-        return f"it cannot be understood: {ELSEWHERE['if']}"
+        from mecano.laws.other_functions import IN_PLACE  # rarely needed
+
+        return f"it cannot be understood: {IN_PLACE['if']}"
     if unit := re.search(UNIT, body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
     if word := next((match[0] for match in re.finditer(WORD, body) if keyword.iskeyword(match[0])), ""):
@@ -179,12 +162,8 @@ def _difference(comparison, level):
 
 def _closes(text):
     """Return the index of the bracket that closes the first one of a text, or -1."""
-    depth = 0
-    for match in re.finditer("[()]", text):
-        depth += 1 if match[0] == "(" else -1
-        if depth == 0:
-            return match.start()
-    return -1
+    depths = accumulate((letter == "(") - (letter == ")") for letter in text)
+    return next((i for i, depth in enumerate(depths) if depth == 0), -1)
 
 
 def share_of_edge(x, a, b):
@@ -245,12 +224,9 @@ class _Reader:
             return self._pairs((BINARY | SEVERAL)[name], tree.args, level)
         if name in OF_THREE and count == 3:
             return self._one(OF_THREE[name], share_of_edge(*tree.args), level)
-        if name in FUNCTIONS:
-            how = f": {SMOOTH}" if name == "step" else ""
-            raise FormulaError(f"'{name}' has the wrong number of arguments{how}", self._column(tree))
-        known, hint = name.lower() in FUNCTIONS, ELSEWHERE.get(name.lower(), f"known: {', '.join(FUNCTIONS)}")
-        hint = f"did you mean '{name.lower()}'?" if known else hint
-        raise FormulaError(f"there is no function '{name}'; {hint}", self._column(tree))
+        from mecano.laws.other_functions import refused_call  # rarely needed
+
+        raise FormulaError(refused_call(name, FUNCTIONS), self._column(tree))
 
     def _leaf(self, tree):
         """Append the step of a number, the time, a constant, or the name of a quantity."""
