@@ -65,6 +65,7 @@ def test_slopes(text):
         ("a1 2", "cannot be understood$", 3),
         ("in + 1", "understood at 'in', which cannot be a name in formulas: choose another name", 0),
         ("2*lambda", "understood at 'lambda', which cannot be a name in formulas", 2),
+        ("a*tip.position[2]", "a component is written .x, .y or .z", 2),
         ("a if b else c", "numbers, names, .* and functions only; a signal of the type 'switch' selects", 0),
         ("2*SIN(a)", "there is no function 'SIN'; did you mean 'sin'[?]", 2),
         ("STEP(time, 0, 0, 1, 9)", "no function 'STEP'; did you mean 'step'[?]", 0),

@@ -259,6 +259,8 @@ class _Reader:
         what = "it may contain numbers, names, + - * / ** ( ) and functions only"
         if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.BitXor):
             what = "a power is written with **, as in x**2"
+        if isinstance(tree, ast.Subscript):
+            what += "; a component is written .x, .y or .z, as in tip.position.z"
         if isinstance(tree, ast.IfExp | ast.Compare | ast.BoolOp):
             what += "; a signal of the type 'switch' selects one of two formulas"
         raise FormulaError(what, self._column(tree))
