@@ -135,16 +135,13 @@ def test_an_elastic_catenary(verify):
         return x, z
 
     (H,) = fsolve(lambda H: place(H[0], length)[0] - span, [500.0])
-    points = [
-        (span * i / n, -16.0 * (i / n) * (1.0 - i / n), ", fixed: true" if i in (0, n) else "") for i in range(n + 1)
-    ]
-    more = f"axial_stiffness: {stiffness}, natural_length: {length / n}, mass_per_length: 20"
-    nodes, cables = chain(points, more)
-    hung = f"nodes:\n  {nodes}\nelements:\n  {cables}\n"
+    line = f"axial_stiffness: {stiffness}, natural_length: {length}, mass_per_length: 20, mesh: {n}, sag: [0, 0, -1]"
+    hung = f"nodes:\n  a: {{position: [0, 0, 0], fixed: true}}\n  b: {{position: [{span}, 0, 0], fixed: true}}\n"
+    hung += f"elements:\n  c: {{type: cable, nodes: [a, b], {line}}}\n"
     path = Path(deck(f"mecano: 1\ngravity: [0, 0, -9.81]\n{hung}static: {{}}\n"))
-    sag = -path.positions(f"n{n // 2}")[-1, 2]
+    sag = -path.positions(f"c.{n // 2}")[-1, 2]
     verify("Cables", "elastic catenary of 40 cables: sag [m]", sag, place(H, 0.5 * length)[1], "Irvine", relative=5e-4)
-    first, second = (path.positions(f"n{i}")[-1] for i in (0, 1))
+    first, second = (path.positions(node)[-1] for node in ("a", "c.1"))
     tension = stiffness * (np.linalg.norm(second - first) / (length / n) - 1.0)
     exact = math.hypot(H, 0.5 * weight * length * (1.0 - 1.0 / n))
     verify("Cables", "elastic catenary of 40 cables: tension at its end [N]", tension, exact, "Irvine", relative=2e-5)

@@ -52,7 +52,7 @@ cam, follower, valve train, tappet, flat tappet, flat follower, valve float -> c
     a 'cam' may open, its follower is a roller or a flat 'face'; a point_on_curve is guided from both sides
 trailer, semitrailer, caravan, hitch, snaking -> spherical hinge wheel | a hitch is a spherical joint or a hinge;
     `mecano modes --sweep` finds its limit
-catenary, mooring line -> cable bar beam | a hanging rope is a line of cables, or a beam with a mesh
+catenary, mooring line, hanging rope -> cable beam | a rope is a cable with 'mesh' and 'sag', or a beam with a mesh
 boom, antenna, spar -> beam superelement
 wire boom, radial wire -> cable beam | a wire that is paid out is a cable, its natural_length a law of time
 domino, rocking block -> contact

@@ -95,6 +95,8 @@ def _offered(section, owner, entries):
         kind, d = entries[section, owner]
         return [output.name for output in kind.chosen(d).outputs if output.name != VALUE]
     kind, d = entries[section, owner]
+    if d.get("mesh", 1) > 1:
+        return []
     outputs = [name for output, label in measured_outputs(kind, d) for name in quantities(output, label)]
     return [*outputs, *powers(kind.chosen(d))]
 
@@ -109,6 +111,8 @@ def _advice(what, kind=None, d=None):
         return "the value of a signal is written as its name alone"
     if chosen.hidden.get(name):
         return chosen.hidden[name]
+    if d.get("mesh", 1) > 1:
+        return "it is divided by its 'mesh'; end it with an element of its own, without 'mesh', and read that"
     if name in WORK and powers(chosen):
         return "it is the integral, by a signal of the type 'integrator', of its 'given_power' or 'dissipated_power'"
     for o in chosen.outputs:

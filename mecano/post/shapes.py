@@ -208,9 +208,9 @@ def _mass(motion, name, d):
     return [Shape(MASS, name, motion.position(node)[:, None], (node,))] if node in motion.nodes else []
 
 
-def _beam(motion, name, d):
+def _member(style, motion, name, d):
     """Return the line through all nodes of a member."""
-    return _line(ROD, motion, name, {"nodes": divided_nodes(name, d)})
+    return _line(style, motion, name, {"nodes": divided_nodes(name, d)})
 
 
 def _superelement(motion, name, d):
@@ -356,9 +356,9 @@ BY_DEFAULT = {"elements": "line", "joints": "joint"}  # shapes of the kinds of a
 BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES: dict[str, Callable[[AnyMotion, str, "Values"], list[Shape]]] = {
-    "line": partial(_line, ROD), "cable": partial(_line, CABLE), "spring": _spring,
+    "line": partial(_line, ROD), "cable": partial(_member, CABLE), "spring": _spring,
     "actuator": _actuator,
-    "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement,
+    "belt": _belt, BEAM: partial(_member, ROD), SUPERELEMENT: _superelement,
     "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
     "contact": _contact, "gears": _gears, "joint": _joint,
     "nothing": lambda motion, name, d: [],

@@ -21,6 +21,10 @@ elastic energy is lost at that instant, and its mass remains; ``release: {when: 
 instant; with ``stress_free`` its natural length is shifted so that it then has only its ``pretension``, as a cable that
 is hooked on.
 
+With ``mesh: n`` a cable named rope becomes the cables rope.1 ... rope.n between nodes rope.1 ... rope.(n-1), which
+vibrates and sags as a rope. If it is longer than the distance of its nodes, ``sag: [0, 0, -1]`` lets it start as the
+chain in which it hangs (cable_line.py).
+
 A varying natural length, a law of time or a formula of signals, does work, which the surroundings (a winder) supply.
 With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
 
@@ -66,6 +70,7 @@ from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_dam
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
+from mecano.elements.members.cable_line import DIVISION, check_division, divide, without_effect_of_division
 from mecano.jit.kernel import kernel
 from mecano.laws.law_table import terms_of
 from mecano.laws.probe import curve_at
@@ -184,7 +189,7 @@ def _winds(d):
 
 def check_cable(d, nodes):
     """Check the values as for a bar, and that a winder has a full length that is not yet reached."""
-    texts, winds = check(d, nodes), _winds(d)
+    texts, winds = check(d, nodes) + check_division(d, nodes), _winds(d)
     if d["pretension"] < 0.0:
         texts.append("'pretension' of a cable must not be negative")
     texts += [
@@ -207,10 +212,16 @@ def check_cable(d, nodes):
 
 
 def without_effect(d):
-    """Return the values that have no effect on a line without mass, and on a cable that is not stretched."""
+    """Return the values that have no effect on a line without mass."""
     if d["mass_distribution"] == "lumped" and not d["mass_per_length"]:
         yield "mass_distribution", "without 'mass_per_length' there is no mass"
-    if d.get("at_full_length") == "hold" and d["damping"]:
+
+
+def without_effect_on_cable(d):
+    """Return the same, and the values that have no effect on a cable of one element, or one that is not stretched."""
+    yield from without_effect(d)
+    yield from without_effect_of_division(d)
+    if d["at_full_length"] == "hold" and d["damping"]:
         yield "damping", "with 'at_full_length: hold' the cable is not stretched"
 
 
@@ -314,12 +325,14 @@ _TENSION_ONLY = replace(
     _BAR,
     name="cable",
     doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
-    fields=(*FIELDS, *WINDER_FIELDS),
+    fields=(*FIELDS, *DIVISION, *WINDER_FIELDS),
     outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
     phases=PHASES,
     events=EVENTS,
     cornered=is_damped,
     check=check_cable,
+    divide=divide,
+    without_effect=without_effect_on_cable,
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     sample=sample_cable,
 )
