@@ -606,7 +606,7 @@ class TestCatalogue:
         assert "friction (in hinge)" in of_hinge and "collar_radius [m]" in of_hinge and of_hinge in friction
         assert "friction (in spherical)" in friction and "spherical" not in of_hinge
         assert "arc_length (in static.method)" in call("explain", "arc_length")[1]
-        assert "mesh (in beam)" in call("explain", "mesh")[1]
+        assert "mesh (in beam, cable)" in call("explain", "mesh")[1]
         law = call("explain", "law")[1]
         example = law[law.index("  laws:\n") : law.index("  value: rising")]
         assert problems(f"{MOTOR}{dedent(example)}".replace("value: 1.0", "value: rising")) == []

@@ -21,9 +21,9 @@ elastic energy is lost at that instant, and its mass remains; ``release: {when: 
 instant; with ``stress_free`` its natural length is shifted so that it then has only its ``pretension``, as a cable that
 is hooked on.
 
-With ``mesh: n`` a cable named rope becomes the cables rope.1 ... rope.n between nodes rope.1 ... rope.(n-1), which
-vibrates and sags as a rope. If it is longer than the distance of its nodes, ``sag: [0, 0, -1]`` lets it start as the
-chain in which it hangs (cable_line.py).
+With ``mesh: n`` a cable named rope becomes the cables rope.1 ... rope.n between nodes rope.1 ... rope.(n-1), and
+sags and vibrates as a rope. If it is longer than the distance of its nodes, ``sag: [0, 0, -1]`` lets it start as the
+chain in which it hangs.
 
 A varying natural length, a law of time or a formula of signals, does work, which the surroundings (a winder) supply.
 With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
