@@ -10,7 +10,7 @@ from time_runs import deck, input_deck
 import mecano
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare, startup_warnings
-from mecano.constraints.ground import rim_above
+from mecano.constraints.tread import tread_above
 from mecano.deck.read import deck_of_bytes
 from mecano.elements import KINDS
 from mecano.errors import AssemblyError, ConvergenceError, DeckError
@@ -154,10 +154,10 @@ def test_how_far_a_rim_is_above_the_ground():
     """A wheel that leans by 0.5 rad over a plane; one upright over the crest of a bump."""
     plane = {"point": [0, 0, 0], "normal": [0, 0, 2]}
     leaning_axis = [0, np.cos(0.5), np.sin(0.5)]
-    gap, along_normal = rim_above({"plane": plane, "profile": None}, 0.3, [1, 2, 0.5], leaning_axis)
+    gap, along_normal = tread_above({"plane": plane, "profile": None}, 0.3, 0.0, [1, 2, 0.5], leaning_axis)
     assert gap == pytest.approx(0.5 / np.cos(0.5) - 0.3) and along_normal == pytest.approx(0.5 - 0.3 * np.cos(0.5))
     bump = {"direction": [1, 0, 0], "height": (("bump", {"start": 1.0, "length": 4.0, "height": 0.1}),)}
-    gaps = rim_above({"plane": plane, "profile": bump}, 0.3, [3, 0, 0.3], [0, 1, 0])
+    gaps = tread_above({"plane": plane, "profile": bump}, 0.3, 0.0, [3, 0, 0.3], [0, 1, 0])
     assert gaps == pytest.approx((-0.1, -0.1))
 
 

@@ -6,18 +6,17 @@ mecano/maths/surface.py.
 """
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 
 from mecano.constraints.triads import unit
-from mecano.element_interface import Context, Output
+from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
-from mecano.laws.law_table import LawTable, breakpoints, evaluate_curve
+from mecano.laws.law_table import breakpoints, evaluate_curve
 from mecano.laws.probe import corners, curve_at, jumps
 from mecano.maths.dual import chain, implicit, sqrt, value
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
-from mecano.maths.vector import Vec3, dot, vec
+from mecano.maths.vector import dot, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i", "crown": ()}
 
@@ -107,18 +106,6 @@ def check_axle(ground, x, axis, clear=np.inf):
 def check_crown(radius, crown):
     """Return errors in the ``crown`` radius [m] of the tread of a wheel."""
     return [] if crown < radius else [f"'crown_radius' must be less than the 'radius' of {radius:g} m"]
-
-
-def rim_above(ground, radius, x, axis):
-    """Return the initial height [m] of a wheel's rim above the ground, in the wheel's plane and along the normal.
-
-    It is negative below the ground. ``ground``, centre ``x`` (3,) [m] and ``axis`` (3,) must have passed
-    ``check_axle``.
-    """
-    laws = LawTable()
-    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3))))
-    g = touch(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
-    return g.r - radius, (g.r - radius) * g.q
 
 
 def too_low(depth, lift, because=""):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import prepare_ground, rim_above, touch
+from mecano.constraints.ground import prepare_ground, touch
 from mecano.constraints.torus import touch_torus
 from mecano.constraints.triads import unit
 from mecano.element_interface import Context
@@ -52,12 +52,11 @@ def rounded_on_ground(p, laws, x, a):
 def tread_above(ground, radius, crown, x, axis):
     """Return the height [m] of a tread above the ``ground``, as its deformation is counted, and along the normal.
 
-    ``radius`` [m] includes the ``crown`` radius [m], 0 for a disc; centre ``x`` (3,) [m] and ``axis`` (3,) must have
-    passed ``check_axle``.
+    They are negative below the ground. ``radius`` [m] includes the ``crown`` radius [m], 0 for a disc; centre ``x``
+    (3,) [m] and ``axis`` (3,) must have passed ``check_axle``.
     """
-    if not crown:
-        return rim_above(ground, radius, x, axis)
-    laws = LawTable()
+    laws, tread_on_ground = LawTable(), rounded_on_ground if crown else flat_on_ground
     p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3)), crown))
-    g = touch_torus(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
-    return g.r - radius, g.r - radius
+    tread = tread_on_ground(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
+    gap = tread.g.r - radius
+    return gap, gap * tread.tilt

@@ -51,7 +51,7 @@ def disc_record(d, nodes, context):
 def check_touching(gap, along_normal, radius, otherwise=""):
     """Return errors for a permanently touching wheel whose rim is farther from the ground than an assembly may move it.
 
-    ``gap`` [m] in its plane and ``along_normal`` [m] are those of ``rim_above``; ``otherwise`` is an alternative to
+    ``gap`` [m] in its plane and ``along_normal`` [m] are those of ``tread_above``; ``otherwise`` is an alternative to
     suggest.
     """
     if gap < -CARRIED * radius:

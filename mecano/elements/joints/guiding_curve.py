@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
+from mecano.laws.tabulated import interval
 from mecano.maths.dual import at_least, at_most, constant, cos, sin, value
 from mecano.maths.vector import vec
 
@@ -38,13 +39,7 @@ def _spline_at(p, laws, s):
     if p.closed > 0.0:
         s = s - p.length * math.floor(value(s) / p.length)
     inside = at_most(at_least(s, 0.0), p.length)
-    i, end = 0, p.pieces
-    while end - i > 1:
-        middle = (i + end) // 2
-        if laws[p.table + middle] <= inside:
-            i = middle
-        else:
-            end = middle
+    i = interval(laws, p.table, p.pieces + 1, value(inside))
     u, first = inside - laws[p.table + i], p.table + p.pieces + 1 + 12 * i
     c_0, c_1, c_2, c_3 = vec(laws, first), vec(laws, first + 3), vec(laws, first + 6), vec(laws, first + 9)
     slope = c_1 + u * (2.0 * c_2 + 3.0 * u * c_3)

@@ -23,12 +23,12 @@ from mecano.constraints.ground import (
     check_ground,
     end_conditions,
     on_the_slope,
-    rim_above,
     slope_below,
     touch,
 )
 from mecano.constraints.no_slip import no_slip
 from mecano.constraints.rolling_radius import ROLLING_RADIUS, leaning_discs
+from mecano.constraints.tread import tread_above
 from mecano.constraints.wheels import FIELDS as WHEEL_FIELDS
 from mecano.constraints.wheels import OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.element_interface import Kind, Part, Row, named, record
@@ -106,7 +106,7 @@ def check(d, nodes):
     """Return errors for an unusable ground, a wheel that lies flat or is off the ground, rollers that cannot drive."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
     if not texts:
-        texts = check_touching(*rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"]), d["radius"])
+        texts = check_touching(*tread_above(d["ground"], d["radius"], 0.0, nodes[0][0], d["axis"]), d["radius"])
     if abs(math.sin(d["roller_angle"])) < FLAT_ROLLERS:
         texts.append("'roller_angle' must not be near 0 or 180 deg: rollers along the axle cannot drive")
     return texts
