@@ -32,7 +32,7 @@ import numpy as np
 from mecano.constraints.activation import SHIFT, activated
 from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.line_phases import EVENTS, PHASES, SLACK, TAUT, follows, is_damped, pulling, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, SLACK, TAUT, follows, is_damped, pulled, put_line_events
 from mecano.constraints.release import detached
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
@@ -118,12 +118,6 @@ def _lost(at, stretch):
     return at.phase > SLACK and not math.isfinite(value(stretch))
 
 
-@kernel
-def stretches(p, at, stretch, rate):
-    """Return the stretches that give the elastic tension and the tension of a span."""
-    return pulling(at.phase == TAUT, follows(at.phase, p.damping), stretch, rate, p.damping)
-
-
 def observed(stretch_of):
     """Return ``observe`` and ``event_values`` for the stretch (p, at) -> value, rate, gradient, free length."""
 
@@ -134,7 +128,7 @@ def observed(stretch_of):
         y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
         if not math.isfinite(value(rate)):  # there is no tangent
             return
-        elastic, tension = stretches(p, at, stretch, rate)
+        elastic, tension = pulled(p, at, stretch, rate)
         elastic, T = p.stiffness * elastic, p.stiffness * tension
         y[0], y[1], y[2] = T, stretch, L
         e[1] = 0.5 * elastic * stretch
@@ -161,9 +155,9 @@ def _functions(geometry, angles, always):
 
     @kernel
     def residual(p, at, f):
-        if at.phase == TAUT or follows(at.phase, p.damping):
+        if at.phase == TAUT or follows(p, at):
             stretch, rate, along, _ = stretch_of(p, at)
-            add_along(f, p.stiffness * stretches(p, at, stretch, rate)[1], along)
+            add_along(f, p.stiffness * pulled(p, at, stretch, rate)[1], along)
 
     @kernel
     def commit(p, at, m_out):

@@ -30,7 +30,7 @@ from functools import cache
 
 from mecano.constraints.activation import kept_shifts
 from mecano.constraints.body_fixed import follow
-from mecano.constraints.line_phases import PHASES, TAUT, follows, pulling
+from mecano.constraints.line_phases import PHASES, TAUT, follows, pulled
 from mecano.constraints.reeved_path import (
     path_record,
     path_unknowns,
@@ -141,13 +141,12 @@ def _functions(strain_of):
     def cable_of(p, at):
         """Return the length of the path, its rate, the speed of the payout, and the mean tension."""
         length, rate, strain, strain_rate, _, L_rate = strain_of(p, at)
-        pulled = pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
-        return length, rate, (1.0 + strain) * L_rate, p.EA * pulled[1]
+        return length, rate, (1.0 + strain) * L_rate, p.EA * pulled(p, at, strain, strain_rate)[1]
 
     @kernel
     def residual(p, at, f):
         """Add the differences of the tensions to their mean."""
-        if at.phase != TAUT and not follows(at.phase, p.damping):
+        if at.phase != TAUT and not follows(p, at):
             return
         cable = cable_of(p, at)
         mean, first = cable[3], _first_tension(p, at, cable)

@@ -18,16 +18,9 @@ a drum, from which it leaves with its own tension.
 
 from dataclasses import replace
 
-from mecano.constraints.belt_span import (
-    BELT_END,
-    BELT_SPAN,
-    between_pulleys,
-    observed,
-    stretches,
-    tangent_direction,
-    to_a_point,
-)
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, between_pulleys, observed, tangent_direction, to_a_point
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.line_phases import pulled
 from mecano.element_interface import Output, named, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -88,7 +81,7 @@ def _functions(geometry, own, creep):
     @kernel
     def residual(p, at, f):
         stretch, rate, along, _ = stretch_of(p, at)
-        T = p.stiffness * stretches(p, at, stretch, rate)[1]
+        T = p.stiffness * pulled(p, at, stretch, rate)[1]
         add_along(f, T, along)
         f[own] += number(at.v[own]) - creep(p, at, T)[0]
 

@@ -33,9 +33,15 @@ def is_damped(p):
 
 
 @kernel
-def follows(phase, damping):
+def follows(p, at):
     """Return whether the tension of a line follows from its strain and rate alone, in any of ``PHASES``."""
-    return damping != 0.0 and phase <= SLACK
+    return p.damping != 0.0 and at.phase <= SLACK
+
+
+@kernel
+def pulled(p, at, strain, strain_rate):
+    """Return the strains of ``pulling`` of a line in one of ``PHASES``, or in another, in which it does not act."""
+    return pulling(at.phase == TAUT, follows(p, at), strain, strain_rate, p.damping)
 
 
 @kernel

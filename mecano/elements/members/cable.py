@@ -66,7 +66,7 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulling, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulled, put_line_events
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, named, record
@@ -86,12 +86,6 @@ def _of_a_bar(p, at, strain, strain_rate):
     return strain, strain + p.damping * strain_rate
 
 
-@kernel
-def _of_a_cable(p, at, strain, strain_rate):
-    """Return the same of a cable."""
-    return pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
-
-
 def _functions(natural, strains):
     """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate).
 
@@ -106,7 +100,7 @@ def _functions(natural, strains):
         distance and L the natural length; N = 0 unless taut.
         """
         add_line_inertia(p, at.a, f)
-        if at.phase == TAUT or follows(at.phase, p.damping):
+        if at.phase == TAUT or follows(p, at):
             length, rate, (_, u, _) = line(at.q, at.v)
             add_line_force(f, p.EA * strains(p, at, *strained(length, rate, *natural(p, at)))[1], u)
 
@@ -138,7 +132,7 @@ def _bar_functions(natural):
 
 def _cable_functions(natural):
     """Return the functions of a cable: those of a bar, events, and outputs that say whether it is taut."""
-    residual, put, event_values = _functions(natural, _of_a_cable)
+    residual, put, event_values = _functions(natural, pulled)
 
     @kernel
     def observe(p, at, F, y, e):

@@ -46,7 +46,7 @@ from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, sp
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
 from mecano.constraints.joint_samples import rotation
-from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulling, put_line_events
+from mecano.constraints.line_phases import EVENTS, PHASES, TAUT, follows, is_damped, pulled, put_line_events
 from mecano.constraints.reeved_path import (
     arc,
     lost,
@@ -112,19 +112,14 @@ def _put_arcs(p, at, y):
         y[8 + i] = wrap
 
 
-@kernel
-def _strains(p, at, strain, strain_rate):
-    return pulling(at.phase == TAUT, follows(at.phase, p.damping), strain, strain_rate, p.damping)
-
-
 def _functions(strain_of):
     """Return ``residual``, ``observe`` and ``event_values`` for the strain of reeved_path.strain_by."""
 
     @kernel
     def residual(p, at, f):
-        if at.phase == TAUT or follows(at.phase, p.damping):
+        if at.phase == TAUT or follows(p, at):
             _, _, strain, strain_rate, _, _ = strain_of(p, at)
-            _add_tension(p, at, f, p.EA * _strains(p, at, strain, strain_rate)[1])
+            _add_tension(p, at, f, p.EA * pulled(p, at, strain, strain_rate)[1])
 
     @kernel
     def observe(p, at, F, y, e):
@@ -134,7 +129,7 @@ def _functions(strain_of):
         if not math.isfinite(value(strain_rate)):  # there is no path
             y[8] = at_least(number(y[8]), 1.0)
             return
-        elastic, tension = _strains(p, at, strain, strain_rate)
+        elastic, tension = pulled(p, at, strain, strain_rate)
         elastic, N = p.EA * elastic, p.EA * tension
         y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
         y[5] = 1.0 if at.phase == TAUT else 0.0
