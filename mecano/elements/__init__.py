@@ -21,7 +21,7 @@ MODULE_OF = {
     "bar": "cable", "line_moment": "line_load", "transfer_function": "state_space",
     **dict.fromkeys(("prescribed_position", "prescribed_angle", "prescribed_length"), "prescribed_motion"),
     **dict.fromkeys(("force", "follower_force", "moment", "follower_moment"), "nodal_load"),
-    **dict.fromkeys(("joint_moment", "joint_force", "line_force", "internal_force"), "joint_load"),
+    **dict.fromkeys(("couple", "joint_moment", "joint_force", "line_force", "internal_force"), "joint_load"),
 }  # fmt: skip
 MODULES = {name: f"{folder}.{MODULE_OF.get(name, name)}" for folder, names in FOLDERS.items() for name in names.split()}
 
