@@ -83,11 +83,6 @@ def check_adhesive(d, nodes):
     return [f"'tire_law.{name}' is not available for an adhesive_wheel" for name in given] + check(d, nodes)
 
 
-def variant(d):
-    """Return the kind with or without a rounded tread."""
-    return ROUND if crown_of(d) else ADHESIVE_WHEEL
-
-
 def samples(rng):
     """Return samples of any wheel with a patch, and some with a rounded tread."""
     found = sample(rng)
@@ -105,7 +100,7 @@ ADHESIVE_WHEEL = replace(
         **compiled(FLAT_PATCH),
     ),
     check=check_adhesive,
-    variant=variant,
+    variant=lambda d: ROUND if crown_of(d) else ADHESIVE_WHEEL,
     sample=samples,
 )  # fmt: skip
 ROUND = with_round_tread(ADHESIVE_WHEEL, name="adhesive_wheel_crowned", **compiled(ROUND_PATCH))

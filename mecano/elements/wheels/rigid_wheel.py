@@ -28,7 +28,6 @@ The node is that of the wheel body: its rotation spins with the wheel. The wheel
 
 import math
 from dataclasses import replace
-from functools import cache
 
 from mecano.constraints.ground import (
     GROUND_RECORD,
@@ -186,17 +185,6 @@ def sample(rng):
     return found
 
 
-@cache
-def round_kind():
-    """Return the Kind of a wheel with a rounded tread."""
-    return replace(RIGID_WHEEL, name="rigid_wheel_crowned", variant=None, **compiled(rounded_on_ground))
-
-
-def variant(d):
-    """Return the kind with or without a rounded tread."""
-    return round_kind() if d["crown_radius"] else RIGID_WHEEL
-
-
 RIGID_WHEEL = Kind(
     name="rigid_wheel", section="elements", doc=__doc__, display=WHEEL_DISPLAY, dtype=RECORD, layout=("x0", "R0"),
     fields=(*FIELDS, *OPTIONS),
@@ -209,7 +197,8 @@ RIGID_WHEEL = Kind(
     ),
     memory=("bends_passed",),
     at_start=lambda p: p["in_air"],
-    variant=variant,
+    variant=lambda d: ROUND if d["crown_radius"] else RIGID_WHEEL,
     **compiled(flat_on_ground),
     **named(prepare, parts, check, end_conditions, sample),
 )  # fmt: skip
+ROUND = replace(RIGID_WHEEL, name="rigid_wheel_crowned", variant=None, **compiled(rounded_on_ground))
