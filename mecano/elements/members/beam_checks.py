@@ -27,13 +27,8 @@ def check(d, nodes):
     return texts if d["thermal"] is None or texts else check_heating(d)
 
 
-def _slenderness(section, x_1, x_2):
-    """Return the distance of two points over the least radius of gyration of a section."""
-    return norm(np.subtract(x_2, x_1)) * section.slenderness
-
-
 def _too_slender(d, nodes, section):
-    slenderness = _slenderness(section, *(x for x, _ in nodes)) / d["mesh"]
+    slenderness = norm(np.subtract(nodes[1][0], nodes[0][0])) * section.slenderness / d["mesh"]
     if slenderness <= MOST_SLENDER:
         return []
     return [
@@ -44,10 +39,9 @@ def _too_slender(d, nodes, section):
 
 def start_warnings(d, nodes):
     """Return warnings about a beam that is too thick, or too slender for its numbers or for its elements."""
-    section, ends = constants(d["section"]), [node.x for node in nodes]
-    slenderness = _slenderness(section, *ends)
-    stout = _stout(slenderness) or _wide(section, norm(np.subtract(*ends)))
-    return [*stout, *_inaccurate(d, slenderness), *_hanging(d, nodes)]
+    section, length = constants(d["section"]), norm(np.subtract(nodes[1].x, nodes[0].x))
+    hanging = [] if d["via"] is None else _hanging(d, section, length, nodes[0].gravity)
+    return [*_stout(section, length), *_inaccurate(d, length * section.slenderness), *hanging]
 
 
 def limits(d):
@@ -59,18 +53,14 @@ def limits(d):
     return [("normal_stress", LARGE * section.E, f"{text} (E = {section.E:g} Pa)")]
 
 
-def _stout(slenderness):
-    """Return a warning about a beam shorter than its section is thick."""
-    if slenderness >= STOUT:
-        return []
-    return [f"it is {slenderness:.2g} radii of gyration of its section long: are the dimensions of the 'section' in m?"]
-
-
-def _wide(section, length):
-    """Return a warning about a beam much shorter than its section is wide, by its fibres or by its rotary inertia."""
-    width = 2.0 * float(np.abs(section.points).max(initial=0.0))
+def _stout(section, length):
+    """Return a warning about a beam shorter than its section is thick, by its stiffness, fibres or rotary inertia."""
+    slenderness, width = length * section.slenderness, 2.0 * float(np.abs(section.points).max(initial=0.0))
+    doubt = "are the dimensions of the 'section' in m?"
+    if slenderness < STOUT:
+        return [f"it is {slenderness:.2g} radii of gyration of its section long: {doubt}"]
     if length < WIDE * width:
-        return [f"it is {length:.3g} m long and {width:.3g} m wide: are the dimensions of the 'section' in m?"]
+        return [f"it is {length:.3g} m long and {width:.3g} m wide: {doubt}"]
     radius = float(np.sqrt(np.linalg.eigvalsh(section.J)[-1] / section.mass)) if section.mass else 0.0
     if length >= radius:
         return []
@@ -80,16 +70,13 @@ def _wide(section, length):
     ]
 
 
-def _hanging(d, nodes):
+def _hanging(d, section, length, gravity):
     """Return a warning about an arc whose weight, as a tension, may open its elements beyond their length.
 
     The elongation N L^3 phi^2/(720 EI) of an arc that turns by phi is that of linear statics; it exceeds the difference
     L phi^2/24 of arc and chord if N > 30 EI/L^2.
     """
-    if d["via"] is None:
-        return []
-    section, length = constants(d["section"]), norm(np.subtract(nodes[1].x, nodes[0].x))
-    weight, bending = section.mass * length * norm(nodes[0].gravity), np.diag(section.C)[4:].min()
+    weight, bending = section.mass * length * norm(gravity), np.diag(section.C)[4:].min()
     enough = math.ceil(length * math.sqrt(weight / (30.0 * bending)))
     if d["mesh"] >= enough:
         return []

@@ -177,39 +177,27 @@ def _corners(area):
 
 
 def start_warnings(d, nodes):
-    """Return warnings about the gas, a strut that starts beyond its full extension, stops and orifices."""
+    """Yield warnings about a strut that starts beyond its full extension, the gas, stops and orifices."""
     full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
-    beyond = _beyond(d["oil"], length if full is None else full)
-    return [
-        *_overextended(full, length),
-        *_weak_gas(d["gas"]),
-        *_exponents(d),
-        *_reversed_stops(d["law"]),
-        *beyond,
-        *_unlike_sizes(d),
-    ]
-
-
-def _overextended(full, length):
-    """Yield a text if a strut of this length [m] starts beyond its full extension; ``full`` may be None."""
     if full is not None and length > (1.0 + LONGER) * full:
         yield (
             f"it starts {length - full:.3g} m longer than its 'extended_length', {full:g} m: beyond the stop of the "
             "extended strut; is the length right?"
         )
+    yield from _unlike_gas(d)
+    yield from _reversed_stops(d["law"])
+    yield from _beyond(d["oil"], length if full is None else full)
+    yield from _unlike_sizes(d)
 
 
-def _weak_gas(gas):
-    """Yield a text if the pressure of the gas is less than that of the air."""
+def _unlike_gas(d):
+    """Yield texts on a pressure less than that of the air, and on exponents that no gas has."""
+    gas = d["gas"]
     if gas["pressure"] < gas["ambient_pressure"]:
         yield (
             f"'gas.pressure' is {gas['pressure']:g} Pa, less than the {gas['ambient_pressure']:g} Pa of the air: "
             "the extended strut pulls; is this intended? Pressures are absolute"
         )
-
-
-def _exponents(d):
-    """Yield texts on exponents that no gas has."""
     for name in ("gas", "second_gas"):
         n = (d[name] or {}).get("exponent")
         if n is not None and not 1.0 <= n <= LARGEST_EXPONENT:
@@ -244,21 +232,20 @@ def _unlike_sizes(d):
 
 
 def _reversed_stops(law):
-    """Return a text if the lower stop prevents all compression."""
-    lowest = [values["lower"] for term, values in law or () if term == "stop" and values["lower"] >= 0.0]
-    return [
-        f"its stop at 'lower' = {lower:g} prevents all compression, in which the extension is negative; for a stroke S "
-        "write 'lower: -S, upper: 0'"
-        for lower in lowest
-    ]
+    """Yield a text if the lower stop prevents all compression."""
+    for term, values in law or ():
+        if term == "stop" and values["lower"] >= 0.0:
+            yield (
+                f"its stop at 'lower' = {values['lower']:g} prevents all compression, in which the extension is "
+                "negative; for a stroke S write 'lower: -S, upper: 0'"
+            )
 
 
 def _beyond(oil, length):
-    """Return a text if a curve of an orifice extends to strokes much longer than the strut."""
+    """Yield a text if a curve of an orifice extends to strokes much longer than the strut."""
     last = max((x for name in ("orifice", "rebound_orifice") for x in _corners(oil[name])), default=0.0)
-    if last <= LONGEST_STROKE * length:
-        return []
-    return [f"an orifice is given up to a stroke of {last:g} m, of a strut {length:.3g} m long; is it in mm?"]
+    if last > LONGEST_STROKE * length:
+        yield f"an orifice is given up to a stroke of {last:g} m, of a strut {length:.3g} m long; is it in mm?"
 
 
 def bounds(d):
