@@ -7,20 +7,7 @@ from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIEL
 from mecano.constraints.along_coordinate.stops import check_ends, end_fields, end_parts
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.of_coordinates import (
-    ANGLE_LATCH,
-    ANGLE_LATCH_RELEASE,
-    ANGLE_LOCK,
-    ANGLE_STOP,
-    BOTH,
-    SLIDE_LATCH,
-    SLIDE_LATCH_RELEASE,
-    SLIDE_LAW,
-    SLIDE_LOCK,
-    SLIDE_STOP,
-    TWIST_LAW,
-    law_part,
-)
+from mecano.constraints.of_coordinates import BOTH, ENDS_OF_ANGLE, ENDS_OF_SLIDE, SLIDE_LAW, TWIST_LAW, law_part
 from mecano.constraints.pair import coordinate_of
 from mecano.element_interface import Part
 from mecano.immutable import immutable
@@ -48,14 +35,14 @@ def _law_option(fields, kind, axis):
     return Option(fields, parts, ((law, kind, ""),), lambda d: check_set_point(d, law, set_point))
 
 
-def _end_option(coordinate, latches, lock, stop, axis):
-    """Return the Option of the ends of a coordinate: Kinds of its latches, for good or released, lock and stops."""
+def _end_option(coordinate, ends, axis):
+    """Return the Option of the ends of a coordinate; ``ends``: their Kinds, as of ``end_parts``."""
 
     def parts(d, place, context):
-        return end_parts(d, coordinate, *coordinate_of(axis, place), latches, lock, stop)
+        return end_parts(d, coordinate, *coordinate_of(axis, place), ends)
 
-    optional = (*(("latch", latch, "") for latch in latches), ("lock", lock, ""), ("stops", stop, ""))
-    return Option(end_fields(coordinate), parts, optional, check_ends)
+    optional = zip(("latch", "latch", "lock", "stops"), ends, ("",) * len(ends), strict=True)
+    return Option(end_fields(coordinate), parts, tuple(optional), check_ends)
 
 
 def friction_option(kind, axis, *geometry):
@@ -77,5 +64,5 @@ def friction_option(kind, axis, *geometry):
 
 TURNING_LAW = _law_option(TURNING_FIELDS, TWIST_LAW, "about_axis")
 SLIDING_LAW = _law_option(SLIDING_FIELDS, SLIDE_LAW, "along_axis")
-ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_LOCK, ANGLE_STOP, "about_axis")
-SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_LOCK, SLIDE_STOP, "along_axis")
+ANGLE_ENDS = _end_option(TWIST, ENDS_OF_ANGLE, "about_axis")
+SLIDE_ENDS = _end_option(SLIDE, ENDS_OF_SLIDE, "along_axis")

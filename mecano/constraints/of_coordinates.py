@@ -62,17 +62,21 @@ SLIDE_LAW, TWIST_LAW, TILT_LAW, PIN_LAW = laws_of_time = [law_kind(*row) for row
 OF_SIGNAL = dict(zip(laws_of_time, (law_kind_of_signal(*row) for row in LAWS), strict=True))
 """The laws whose set point is a signal, by those whose set point is a law of time."""
 
-SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
-SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding.", SLIDE)
-SLIDE_LOCK = lock_kind("slide_lock", "Lock of the sliding.", SLIDE)
-SLIDE_STOP = stop_kind("slide_stop", "Stops of the sliding.", SLIDE)
-ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any number of turns.", TWIST)
-ANGLE_LATCH_RELEASE = releasable_latch_kind(
-    "angle_latch_release", "Latch of the twist, over any number of turns.", TWIST
-)
-ANGLE_LOCK = lock_kind("angle_lock", "Lock of the twist, over any number of turns.", TWIST)
-ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any number of turns.", TWIST)
+ENDS = (
+    ("latch", "Latch", latch_kind), ("latch_release", "Latch", releasable_latch_kind), ("lock", "Lock", lock_kind),
+    ("stop", "Stops", stop_kind),
+)  # fmt: skip
 
+
+def _ends(name, what, coordinate):
+    """Return the Kinds of a latch for good, of one that is released, of a lock and of stops of a coordinate."""
+    return tuple(make(f"{name}_{end}", f"{title} of {what}.", coordinate) for end, title, make in ENDS)
+
+
+ENDS_OF_SLIDE = SLIDE_LATCH, SLIDE_LATCH_RELEASE, SLIDE_LOCK, SLIDE_STOP = _ends("slide", "the sliding", SLIDE)
+ENDS_OF_ANGLE = ANGLE_LATCH, ANGLE_LATCH_RELEASE, ANGLE_LOCK, ANGLE_STOP = _ends(
+    "angle", "the twist, over any number of turns", TWIST
+)
 BOTH = (0, 1)
 
 

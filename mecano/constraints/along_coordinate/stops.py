@@ -218,12 +218,12 @@ def check_ends(d):
     return check_trigger("latch.release", d["latch"]["release"]) if d.get("latch") else []
 
 
-def end_parts(d, coordinate, axes, start, latches, lock, stop):
+def end_parts(d, coordinate, axes, start, ends):
     """Return [Part] for the fields ``end_fields`` of a joint; ``axes``, ``start``: axes and initial value of c.
 
-    ``latches`` are the Kinds of a latch for good, and of one that is released.
+    ``ends`` are the Kinds of a latch for good, of one that is released, of a lock and of stops.
     """
-    parts = []
+    (*latches, lock, stop), parts = ends, []
     if d["lock"]:
         parts.append(Part(lock, (0, 1), axes, reads=(difference_of(d["lock"]["while"]),)))
     if d["latch"]:
