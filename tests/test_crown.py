@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from test_rigid_wheel import MASS, TORUS_TIMES, E, G, R, contact_of_torus, rates_of_torus
 from time_runs import RecordedRun, deck
 
-from mecano.constraints.carried_surface import contact_at_start
+from mecano.constraints.carried_surface import touch_carried_round
 from mecano.errors import DeckError
+from mecano.maths.vector import Vec3
 
 STIFFNESS, LEAN = 2.0e3, 0.7  # N/m, rad
 DEPTH = MASS * G / STIFFNESS  # of the tread in the ground [m]
@@ -241,7 +242,7 @@ def test_rounded_treads_on_a_drum(side):
             return side * (np.hypot(*point[:2]) - drum)
 
         found = minimize_scalar(gap, bracket=(-0.3, 0.3), tol=1e-14)
-        g = contact_at_start(p, [None, (x, None)], axis, np.zeros(3), main)
+        g = touch_carried_round(p, *(Vec3(*v) for v in (x, axis, np.zeros(3), main)))
         assert R - g.r == pytest.approx(E - found.fun, abs=1e-10)
         assert np.hypot(*(x + np.array(g.arm))[:2]) == pytest.approx(drum, rel=1e-12)
 

@@ -11,9 +11,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
-from mecano.constraints.carried_surface import contact_at_start
+from mecano.constraints.carried_surface import touch_carried
 from mecano.deck.read import read_deck
 from mecano.errors import DeckError
+from mecano.maths.vector import Vec3
 
 DRUM = (INPUTS / "tyre_drum.yaml").read_text()
 
@@ -129,7 +130,7 @@ def test_the_contact_is_the_point_of_the_disc_nearest_to_the_drum(side, radius):
         axis = axis / np.linalg.norm(axis) + 0.4 * rng.uniform(-1, 1) * away
         axis /= np.linalg.norm(axis)
         p = SimpleNamespace(cylindrical=1.0, drum_radius=radius, drum_side=side, crown=0.0)
-        g = contact_at_start(p, [None, (x, None)], axis, np.zeros(3), main)
+        g = touch_carried(p, *(Vec3(*v) for v in (x, axis, np.zeros(3), main)))
         C = x + np.array(g.arm)
         assert np.linalg.norm(C - (C @ main) * main) == pytest.approx(radius, rel=1e-12)
         assert abs(axis @ np.array(g.c)) < 1e-12

@@ -18,6 +18,7 @@ phi is zero for an upright wheel. The contact is single inside a drum if rho > r
 the middle circle stands for r = h/q.
 """
 
+from types import SimpleNamespace
 from typing import NamedTuple
 
 from mecano.constraints.torus import torus_contact
@@ -131,7 +132,7 @@ touch_carried_round = touching_by(_lever_of_torus, torus_contact)
 def carried_record(d, nodes):
     """Return the values of CARRIED_RECORD; the first of ``nodes`` carries the surface."""
     (name, values), (x, R) = named_surface(d), nodes[0]
-    place, main = place_at_start(d, nodes)
+    place, main = _place_at_start(d, nodes)
     side = -1.0 if values.get("inside") else 1.0
     return {
         "surface_axis": R.T @ main, "surface_origin": R.T @ (place - x), "cylindrical": float(name == "cylinder"),
@@ -141,13 +142,14 @@ def carried_record(d, nodes):
     }  # fmt: skip
 
 
-def place_at_start(d, nodes):
+def _place_at_start(d, nodes):
     """Return origin [m] and unit normal or axis of the surface at the start, inertial, (3,) each."""
     name, values = named_surface(d)
     return surface_point(values, nodes), unit(values["normal" if name == "plane" else "axis"])
 
 
-def contact_at_start(p, nodes, axis, origin, main):
-    """Return the Contact at the start, ``p`` with CARRIED_RECORD, radius; ``axis`` (3,) of the wheel, inertial."""
+def contact_at_start(d, nodes, axis):
+    """Return the Contact at the start of a wheel of the unit ``axis`` (3,), inertial, around the second node."""
+    p = SimpleNamespace(radius=d["tire_law"]["radius"], **carried_record(d, nodes))
     touch = touch_carried_round if p.crown else touch_carried
-    return touch(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))
+    return touch(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, *_place_at_start(d, nodes))))

@@ -1,10 +1,8 @@
 """Warnings about wheels with a tyre law at the start: gravity, backward or sideward motion, tyres in the ground."""
 
-from types import SimpleNamespace
-
 import numpy as np
 
-from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
+from mecano.constraints.carried_surface import contact_at_start
 from mecano.constraints.ground import lies_flat
 from mecano.constraints.tread import tread_above
 from mecano.constraints.triads import unit
@@ -40,8 +38,7 @@ def start_warnings_on_body(d, nodes):
     """
     body, hub = nodes
     axis, places = hub.R @ hub.orientation.T @ unit(d["axis"]), [(node.x, node.R) for node in nodes]
-    record = SimpleNamespace(radius=d["tire_law"]["radius"], **carried_record(d, places))
-    g = contact_at_start(record, places, axis, *place_at_start(d, places))
+    g = contact_at_start(d, places, axis)
     above = g.r - d["tire_law"]["radius"]
     return [*_astray(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]
 

@@ -19,7 +19,6 @@ Its curvature affects the rolling at the effective radius, but not the stiffness
 """
 
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 
@@ -28,7 +27,6 @@ from mecano.constraints.carried_surface import (
     FIELDS,
     carried_record,
     contact_at_start,
-    place_at_start,
     touch_carried,
     touch_carried_round,
 )
@@ -137,9 +135,7 @@ def _check_place(d, nodes):
     (name, values), law = named_surface(d), d["tire_law"]
     if name == "cylinder" and values["inside"] and values["radius"] <= law["radius"]:
         return [f"'cylinder.radius' must exceed the radius of the wheel inside it, {law['radius']:g} m"]
-    axis = unit(d["axis"])
-    p = SimpleNamespace(radius=law["radius"], **carried_record(d, nodes))
-    g = contact_at_start(p, nodes, axis, *place_at_start(d, nodes))
+    g = contact_at_start(d, nodes, unit(d["axis"]))
     if g.q < LEAST_Q:
         return ["the wheel lies flat: its axis is along the normal of the surface"]
     if g.r <= 0.0:
