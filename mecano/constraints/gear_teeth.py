@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-from mecano.constraints.along_coordinate.stops import STOP_PHASES, side_of
+from mecano.constraints.along_coordinate.stops import STOP_PHASES
 from mecano.constraints.backlash import EVENTS, backlash_events, backlash_kind
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.elastic_teeth import TEETH, check_teeth, elastic_teeth, teeth_values
 from mecano.constraints.stop_phases import PHASES as ELASTIC_PHASES
-from mecano.constraints.tooth_friction import FRICTION, friction_values, tooth_friction, tooth_friction_kind
+from mecano.constraints.tooth_friction import FRICTION, friction_values, push, tooth_friction, tooth_friction_kind
 from mecano.element_interface import Event, Kind, Output, Part, with_fields
 from mecano.jit.kernel import kernel
 from mecano.schema import NUMBER, Field, not_negative, share
@@ -78,10 +78,11 @@ def with_teeth(kind, mesh, put_motion, radius):
         sample=lambda rng: [*kind.samples(rng), *_samples(kind.samples(rng)[0])],
         observe=_observe_held(mesh, put_motion),
     )  # fmt: skip
-    rough = replace(held, name=f"rough_{kind.name}", observe=_observe_rigid(mesh, put_motion, _force_of_held))
+    rubbing = _observe_rigid(mesh, put_motion)
+    rough = replace(held, name=f"rough_{kind.name}", observe=rubbing)
     loose = replace(
         held, name=f"{kind.name}_backlash", phases=STOP_PHASES, events=EVENTS, event_values=backlash_events(mesh),
-        observe=_observe_rigid(mesh, put_motion, _force_of_flanks),
+        observe=rubbing,
     )  # fmt: skip
     elastic = _elastic(held, mesh, put_motion)
 
@@ -89,16 +90,6 @@ def with_teeth(kind, mesh, put_motion, radius):
         return elastic if d["teeth"] else loose if d["backlash"] else rough if d["friction"] else held
 
     return replace(held, variant=variant)
-
-
-@kernel
-def _force_of_held(phase, reaction):
-    return reaction
-
-
-@kernel
-def _force_of_flanks(phase, reaction):
-    return side_of(phase) * reaction
 
 
 def _observe_held(mesh, put_motion):
@@ -113,8 +104,8 @@ def _observe_held(mesh, put_motion):
     return observe
 
 
-def _observe_rigid(mesh, put_motion, force):
-    """Return ``observe`` of rigid teeth; force(phase, reaction) is compiled."""
+def _observe_rigid(mesh, put_motion):
+    """Return ``observe`` of rigid teeth with play or friction."""
     travel, row = mesh.travel, 3 * len(mesh.held.layout)
 
     @kernel
@@ -122,7 +113,7 @@ def _observe_rigid(mesh, put_motion, force):
         put_motion(p, at, y)
         (s, _), (_, along) = travel(p, at)
         rate = rate_of(along, at.v)
-        y[4], y[5] = force(at.phase, at.q[row]), s
+        y[4], y[5] = -push(at.phase, at.q[row]), s
         y[6] = tooth_friction(p, -y[4], rate) * rate
 
     return observe

@@ -30,7 +30,7 @@ def tooth_friction(p, N, rate):
 
 
 @kernel
-def _push(phase, reaction):
+def push(phase, reaction):
     """Return the force with which part 0 pushes part 1 [N], of teeth without play or of flanks (backlash.py)."""
     return reaction if phase == UPPER else -reaction
 
@@ -45,13 +45,13 @@ def tooth_friction_kind(mesh, dtype):
     @kernel
     def residual(p, at, f):
         _, (_, along) = travel(p, at)
-        add_along(f, tooth_friction(p, _push(at.phase, number(at.q[row])), rate_of(along, at.v)), along)
+        add_along(f, tooth_friction(p, push(at.phase, number(at.q[row])), rate_of(along, at.v)), along)
 
     @kernel
     def observe(p, at, F, y, e):
         _, (_, along) = travel(p, at)
         rate = rate_of(along, at.v)
-        e[2] = tooth_friction(p, _push(at.phase, at.q[row]), rate) * rate
+        e[2] = tooth_friction(p, push(at.phase, at.q[row]), rate) * rate
 
     return Kind(
         name=f"{mesh.held.name}_friction", doc=__doc__, dtype=dtype, layout=mesh.held.layout,
