@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from mecano.jit.kernel import kernel
-from mecano.laws.law_table import evaluate_curve, terms_of
+from mecano.laws.law_table import curve, evaluate_curve, terms_of
 from mecano.maths.dual import number
 
 LAW = (("linear", {"slope": 0.5, "offset": 3.0}),)  # of samples
@@ -11,8 +11,8 @@ LAW = (("linear", {"slope": 0.5, "offset": 3.0}),)  # of samples
 
 @kernel
 def of_law(p, at):
-    """Return the value of the record's law at the current time."""
-    return evaluate_curve(at.laws, p.law, at.t)[0]
+    """Return the value of the record's law at the current time, a Dual if that is one."""
+    return curve(at.laws, p.law, at.t)
 
 
 @kernel

@@ -36,7 +36,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import LAW, is_formula, law_of, of_input
+from mecano.constraints.along_coordinate.demand import LAW, is_formula, law_of, of_input, of_law
 from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
@@ -55,7 +55,6 @@ from mecano.constraints.joint_samples import two_places
 from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
 from mecano.element_interface import Display, Kind, Output, Part, Row, named, with_fields
 from mecano.jit.kernel import kernel
-from mecano.laws.law_table import curve
 from mecano.maths.dual import number
 from mecano.schema import CONTINUOUS_DRIVE, NUMBER, Field, joint_with, list_of, not_zero, positive
 
@@ -160,16 +159,10 @@ def observe_lossy(p, at, F, y, e):
     y[n] = loss * rate
 
 
-@kernel
-def _ratio_of_law(p, at):
-    """Return the ratio of rates at the time, a Dual if the time is one."""
-    return curve(at.laws, p.law, at.t)
-
-
 def _variable(kind, by_signal):
     """Return the variant of a ``kind`` of two coordinates with a ratio of their rates, a law of time or a signal."""
     signal = 3 * len(kind.layout)
-    row, ratio_of = signal + by_signal, of_input(signal) if by_signal else _ratio_of_law
+    row, ratio_of = signal + by_signal, of_input(signal) if by_signal else of_law
 
     @kernel
     def slip(p, at):
