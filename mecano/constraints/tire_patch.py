@@ -1,23 +1,9 @@
-r"""The contact patch of a tyre, displaced sideways by y and rotated by psi relative to the wheel: kinematics, forces.
+"""The contact patch of a tyre, displaced sideways by y and rotated by psi relative to the wheel: kinematics, forces.
 
-Section 3.4 of Cardona, Geradin & Doan 1991, equations (48)-(51), here for leaning wheels and uneven ground. With the
-axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r c - y a, and Q = 1 + psi hat(n):
-
-.. math::
-    v_C = (1 - n n^T)[v + Q (\omega \times \rho) - Q a \dot y] - \dot\psi\, y\, (n \times a), \qquad
-    \dot w_0 = -n \cdot (v + \omega \times \rho)/q
-
-Radial damping acts on :math:`\dot w_0`, the rate of deformation with the patch fixed in the wheel; so do the laws that
-depend on v_0, which is v_C without the rates of y and psi (docs/tyre-equations.md).
-
-A force of the patch on the ground, with F in the ground plane and -N n along its normal, where damping contributes N_d
-to N, and G = Q^T F - N n, adds:
-
-.. math::
-    x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G - s N_d, \quad
-    \psi: -y\, (n \times a) \cdot F
-
-The terms of v_C and of psi with :math:`\dot\psi\, y` and y are omitted (``twist`` = 0) where psi is not a twist.
+Section 3.4 of Cardona, Geradin & Doan 1991, equations (48)-(51), here for leaning wheels and uneven ground, as in
+elements/wheels/flexible_wheel.py. Radial damping acts on dw_0/dt, the rate of deformation with the patch fixed in the
+wheel; so do the laws that depend on v_0, which is v_C without the rates of y and psi (docs/tyre-equations.md). The
+terms of v_C and of psi with dpsi/dt y and y are omitted (``twist`` = 0) where psi is not a twist.
 """
 
 from typing import NamedTuple

@@ -1,19 +1,17 @@
-r"""Rounded treads of tyres: field of the tyre law, its slip law, and the equations, whose contact is in torus.py.
+"""Rounded treads of tyres: field of the tyre law, its slip law, and the equations, whose contact is in torus.py.
 
 The tyre of a motorcycle is a torus that is pressed into the ground along the normal: its tread has the radius e =
 ``crown_radius``, seen along the wheel, around a middle circle of the radius R_m = radius - e. As the wheel leans, its
-contact moves across the tread. With the height h of the centre over the ground, along its normal n at the contact C,
-and q, c of a disc (mecano/maths/surface.py):
+contact C moves across the tread. With the deformation w and the normal n at C of torus.py, and c of a disc
+(mecano/maths/surface.py):
 
-    deformation          w = R_m q + e - h                dw/dt = -n.(v + omega x (C - x))
-    contact              C = x + R_m c - (e - w) n,       on the ground below the middle circle
     normal force         N = F_r(w, dw/dt)                along n, not in the plane of the wheel
     slip velocity        v_C = (I - n n^T)(v + omega x (C - x))
 
-The variation of w is -n.(dx + dtheta x R_m c), as that of q is -n.(dtheta x c): the work of N n at C. The moment about
-the centre, R_m N c x n from the normal force, is the overturning moment of the geometry: about t it is R_m N s with s
-of the camber, where a disc has (h/q) N s. The moments of a slip law act about C. The contact rolls on a circle of the
-radius R_m + (e - w) q about the axle: the effective rolling radius is that of an upright wheel less (e - w) (1 - q).
+The moment about the centre, R_m N c x n from the normal force, is the overturning moment of the geometry: about t it is
+R_m N s with s of the camber, where a disc has (h/q) N s. The moments of a slip law act about C. The contact rolls on a
+circle of the radius R_m + (e - w) q about the axle: the effective rolling radius is that of an upright wheel less
+(e - w) (1 - q).
 """
 
 from dataclasses import replace

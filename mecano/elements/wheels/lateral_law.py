@@ -13,15 +13,12 @@ dy/dt, with
 for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. kap matters only under braking.
 
 The law with a relaxation length sigma, F = K y and psi = y/sigma, has A0 of this form without D and C1. Its psi is the
-slip angle of a point-like patch (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), not a
-twist against a stiffness: a change of psi does not carry a displaced patch along, and the longitudinal force does not
-turn it (``twist`` = 0, docs/tyre-equations.md). Its kap, K sigma^2, only scales the equation. The same holds for
-Moreland's law without C1.
+slip angle of a point-like patch, not a twist against a stiffness: a change of psi does not carry a displaced patch
+along, and the longitudinal force does not turn it (``twist`` = 0, docs/tyre-equations.md). Its kap, K sigma^2, only
+scales the equation. The same holds for Moreland's law without C1.
 
-Where the wheel rolls backward, psi = -C F: the patch turns the other way for the same force, and the moment of a trail
-changes its sign. The terms of y in M and in the aligning moment are therefore multiplied by the direction of rolling,
-from -1 to 1 between -0.1 and 0.1 m/s of the axle, in all laws but ``matrices`` and ``string``; for a radius r < 0.1 m
-between -r and r per second.
+Where the wheel rolls backward, psi = -C F, and the moment of a trail changes its sign: the terms of y in M and in the
+aligning moment are multiplied by the direction of rolling, in all laws but ``matrices`` and ``string``.
 
 Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that also depends on the speed u and on
 the turning rate omega_n of the wheel about n, and an aligning moment of their own. The string has a third unknown, the
@@ -31,15 +28,9 @@ bow b of its contact line, with an equation X = 0 (string_law.py). In general, w
 
 where g_0 and g_1 depend on u and are 1 in laws without a contact length; their bow is zero.
 
-In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the time ``relaxation_in_air``, with A1 +
-T A0 in place of A1 (in laws with a contact length T A0).
-
-The law states its energies: it stores that of the symmetric part of A0 and dissipates that of the part of A1, made
-symmetric, that is not negative. The rest of its power, of the antisymmetric parts, of stiffness that depends on
-load or speed and of rolling with a contact length, is exchanged with the rolling: given to the wheel, or taken where
-negative. Where psi is the slip angle only K y^2/2 is stored, D dy/dt^2 dissipated, and nothing exchanged.
-
-An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
+In the air F = M = 0, so y and psi decay; where A1 is singular, with A1 + T A0 in place of A1, T = ``relaxation_in_air``
+(in laws with a contact length T A0). The energies of the law are in docs/tyre-equations.md. An aligning moment on the
+wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
 """
 
 from typing import NamedTuple

@@ -27,12 +27,8 @@ c (integral of v x + sigma (sigma + a)(v(a) - v(-a))):
 
     F = 2c [(sigma + a) y - sigma b],    aligning moment = 2c [a^2 c_1/3 + sigma (sigma + a) a psi]
 
-Compared with the exact delay (sigma = 3a), F and moment differ by 0.02 % at wavelengths of 20 contact lengths, 0.3 % at
-10 and 1.4 % (the moment 9 %) at 5: docs/tyre-equations.md.
-
 ``straight_tangent`` takes the deflection at the leading edge, whose equation has no delay, as y, and the tangent there
-as the contact line: it is of first order in the distance. F differs by 4 %, the moment by 16 % at wavelengths of 20
-contact lengths.
+as the contact line: it is of first order in the distance. docs/tyre-equations.md compares both with the exact delay.
 
     M = kap {psi - y/sigma + a omega_n V^3/(V^4 + v_0^4)},    F = 1/C y/sigma,    aligning moment = 1/C t y/sigma
 
