@@ -6,10 +6,6 @@ respect to the velocities is (e, arm x e): the multiplier is the force on the bo
 Cardona, Geradin & Doan 1991).
 """
 
-import numpy as np
-
-from mecano.constraints.ground import normal_and_level
-from mecano.constraints.triads import unit
 from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
@@ -26,23 +22,10 @@ def on_a_plane(p, R):
     return directions(axis, disc_contact(p, vec(p.normal, 0), 0.0, axis))
 
 
-def leaning(rng):
-    """Return, for samples, the record of ``on_a_plane`` and the node of a leaning body."""
-    normal, level = normal_and_level(rng)
-    return {"axis": unit(level + 0.3 * normal), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
-
-
 @kernel
 def velocity_at(at, arm):
     """Return the velocity [m/s] of the point of the body at ``arm``."""
     return vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), arm)
-
-
-@kernel
-def add_force(f, Rn, arm, force):
-    """Add a ``force`` (inertial) at ``arm`` (inertial) from a node with rotation Rn, and its moment."""
-    add_vec(f, 0, 1.0, force)
-    add_vec(f, 3, 1.0, Rn.T @ cross(arm, force))
 
 
 def no_slip(contact, rows):
@@ -61,7 +44,9 @@ def no_slip(contact, rows):
             Rn, u = mat(at.R[0]), velocity_at(at, arm)
             for i in range(rows):
                 row, Phi = MULTIPLIERS + i, dot(along[i], u)
-                add_force(f, Rn, arm, (at.penalty * Phi - at.q[row]) * along[i])
+                force = (at.penalty * Phi - at.q[row]) * along[i]
+                add_vec(f, 0, 1.0, force)
+                add_vec(f, 3, 1.0, Rn.T @ cross(arm, force))
                 f[row] -= at.k * Phi
 
     @kernel

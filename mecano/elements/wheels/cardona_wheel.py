@@ -12,8 +12,8 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 
 import numpy as np
 
-from mecano.constraints.ground import check_axle, end_conditions, on_the_slope, slope_below
-from mecano.constraints.no_slip import leaning, no_slip, on_a_plane
+from mecano.constraints.ground import check_axle, end_conditions, normal_and_level, on_the_slope, slope_below
+from mecano.constraints.no_slip import no_slip, on_a_plane
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.triads import carried_axis, unit
@@ -36,8 +36,9 @@ def _below(p, at):
 
 def _sample_rolling(rng):
     """Return a leaning disc."""
-    values, nodes = leaning(rng)
-    return [({**values, "radius": 0.7}, nodes, "")]
+    normal, level = normal_and_level(rng)
+    values = {"axis": unit(level + 0.3 * normal), "normal": normal, "radius": 0.7}
+    return [(values, [(rng.normal(size=3), np.eye(3))], "")]
 
 
 UPRIGHT_ROLLING = Kind(
@@ -74,14 +75,9 @@ def check(d, nodes):
     """Return errors for a ground that is not a plane, a wheel that lies flat or starts below the ground."""
     if d["ground"].get("profile"):
         return ["the paper's wheel rolls on a plane only; use rigid_wheel on a ground with a profile"]
-    return check_axle(d["ground"], nodes[0][0], d["axis"]) or _check_height(d, nodes[0][0])
-
-
-def _check_height(d, x):
-    """Return errors for a centre that is too far from its height above the plane, the radius."""
-    plane = d["ground"]["plane"]
+    plane, x = d["ground"]["plane"], nodes[0][0]
     gap = unit(plane["normal"]) @ np.subtract(x, plane["point"]) - d["radius"]
-    return check_touching(gap, gap, d["radius"])
+    return check_axle(d["ground"], x, d["axis"]) or check_touching(gap, gap, d["radius"])
 
 
 def sample(rng):
