@@ -215,10 +215,7 @@ def test_filters_of_a_ramp(filters, verify, name):
 def test_a_limit_is_reached_and_left_by_events(filters):
     """The input 2 x - 0.5 is at -0.2 for x = t = 0.15, at 0.7 for 0.6; at the start it is below."""
     found = [(e.name, e.t) for e in filters[1].event_records if "limit" in e.element]
-    assert found == [
-        ("lower limit left", pytest.approx(0.15, abs=1e-9)),
-        ("upper limit", pytest.approx(0.6, abs=1e-9)),
-    ]
+    assert found == [("lower limit left", pytest.approx(0.15, abs=1e-9)), ("upper limit", pytest.approx(0.6, abs=1e-9))]
 
 
 FALL_WITH_LIMIT = """
@@ -233,7 +230,10 @@ FALL_WITH_LIMIT = """
 
 @pytest.mark.parametrize(
     ("limits", "text"),
-    [("lower: 1, upper: 1", "'lower' must be less than 'upper'"), ("unit: N", "give 'lower', 'upper' or both")],
+    [
+        ("lower: 1, upper: 1", "'lower' must be less than 'upper'"),
+        ("unit: N", "at least one of 'lower' and 'upper' must be given"),
+    ],
 )
 def test_limits_that_are_refused(limits, text):
     with pytest.raises(DeckError) as error:

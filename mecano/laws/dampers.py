@@ -62,13 +62,6 @@ def pack_metering_pin(values):
     return np.append(c, pack_points(values["points"], values["interpolation"], "hold"))
 
 
-def no_force_at_rest(values):
-    """Check that a damper polynomial starts with 0."""
-    if values["coefficients"][0] == 0:
-        return []
-    return ["'coefficients' must begin with 0: a damper gives no force at rest (see 'preload')"]
-
-
 def opposes_motion(values):
     """Check that a damper table passes through [0, 0] and dissipates energy at all other points."""
     problems = some_points(values)
@@ -93,7 +86,10 @@ DAMPER_POLYNOMIAL = Term(
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
     evaluate=VISCOUS,
-    check=no_force_at_rest,
+    check=lambda values: (
+        ["'coefficients' must begin with 0: a damper gives no force at rest (see 'preload')"]
+        if values["coefficients"][0] else []
+    ),
 )  # fmt: skip
 
 DAMPER_TABLE = Term(

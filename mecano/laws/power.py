@@ -35,11 +35,6 @@ def power_integral(a, i, s):
     return a[i] * abs(s) ** (a[i + 1] + 1.0) / (a[i + 1] + 1.0)
 
 
-def breakpoints_of_power(values):
-    """Return the argument zero, where some derivative jumps unless the exponent is odd."""
-    return [] if values["exponent"] % 2.0 == 1.0 else [0.0]
-
-
 def shape_of_power(values, low, high):
     """Return equally spaced arguments, and both sides of zero."""
     return [*np.linspace(low, high, SHOWN), *(s for s in (-NEAR, NEAR) if low < s < high)]
@@ -54,7 +49,7 @@ POWER = Term(
     along_line=lambda values, slope, offset: (
         None if offset else {"coefficient": values["coefficient"] * slope ** values["exponent"]}
     ),
-    breakpoints=breakpoints_of_power,
+    breakpoints=lambda values: [] if values["exponent"] % 2.0 == 1.0 else [0.0],  # some derivative jumps if not odd
 )  # fmt: skip
 
 DAMPER_POWER = Term(

@@ -48,11 +48,6 @@ def lower_below_upper(values):
     return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
 
 
-def not_crossed(values):
-    """Check that the free play does not end before it begins."""
-    return [] if values["lower"] <= values["upper"] else ["'lower' must not be greater than 'upper'"]
-
-
 def some_stop(values):
     """Check that there is at least one stop, and that two stops are in order."""
     if math.isinf(values["lower"]) and math.isinf(values["upper"]):
@@ -64,11 +59,6 @@ def corners(values):
     """Return both stops, except those at infinity."""
     both = ((values["lower"], -values["stiffness"]), (values["upper"], values["stiffness"]))
     return [(s, k) for s, k in both if not math.isinf(s)]
-
-
-def ends_of_play(values):
-    """Return both ends of the free play, none if it has no width."""
-    return corners(values) if values["lower"] < values["upper"] else []
 
 
 STIFFNESS = Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension outside", check=positive)
@@ -101,6 +91,8 @@ DEAD_BAND = Term(
     ),
     pack=pack_play,
     evaluate=stop, integral=stop_energy,
-    check=not_crossed,
-    stops=ends_of_play,
+    check=lambda values: (
+        [] if values["lower"] <= values["upper"] else ["'lower' must not be greater than 'upper'"]
+    ),
+    stops=lambda values: corners(values) if values["lower"] < values["upper"] else [],
 )  # fmt: skip

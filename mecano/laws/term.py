@@ -16,11 +16,6 @@ OF_A_WAVE = 32  # arguments per wave or edge that resolve its shape: second deri
 MOST_SHOWN = 100_000  # maximum number of arguments that resolve an unbounded term, starting from the lowest
 
 
-def no_wave(_):
-    """Return the frequency 0 of a term without waves."""
-    return 0.0
-
-
 def nothing(*_):
     """Return an empty list: no errors, corners or breakpoints."""
     return []
@@ -99,7 +94,7 @@ class Term:
     shape: Callable = nothing
     """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
     little: from ``low`` to ``high`` for unbounded terms (a sine), everything for bounded ones (a table, an edge)"""
-    frequency: Callable = no_wave
+    frequency: Callable = lambda values: 0.0
     """{field: value} -> highest frequency [waves / unit of the argument] of a term made of waves"""
     along_line: Callable | None = None
     """{field: value}, slope > 0, offset -> the values, as far as they change, of the curve whose value at t is that of

@@ -103,11 +103,6 @@ def shape_of_sine(values, low, high):
     return zero + part * (first + np.arange(min(count, MOST_SHOWN)))
 
 
-def shape_of_exponential(values, low, high):
-    """Return equally spaced arguments of a decay to a few thousandths."""
-    return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
-
-
 def end_of_edge(time, rise):
     """Return the first time at which the edge is complete, even if time + rise is rounded down."""
     end = time + rise
@@ -174,7 +169,10 @@ EXPONENTIAL = Term(
         Field("rate", NUMBER, "1 / unit of the argument", "rate of the approach", check=not_negative),
         Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
     ),
-    evaluate=exponential, integral=exponential_integral, shape=shape_of_exponential,
+    evaluate=exponential, integral=exponential_integral,
+    shape=lambda values, low, high: (  # of a decay to a few thousandths
+        values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
+    ),
     along_line=along(places=("origin",), rates=("rate",)),
     breakpoints=lambda values: [values["origin"]],
 )  # fmt: skip

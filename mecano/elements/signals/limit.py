@@ -12,7 +12,7 @@ from mecano.constraints.along_coordinate.limits import between_limits, limited, 
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
 from mecano.element_interface import named, record
 from mecano.jit.kernel import kernel
-from mecano.laws.stops import lower_below_upper
+from mecano.laws.stops import some_stop
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field
 
@@ -31,13 +31,6 @@ def event_values(p, at, g):
     write_distances(p, at.q[U], g)
 
 
-def check(d, nodes):
-    """Return errors for limits in the wrong order, or none at all."""
-    if math.isinf(d["lower"]) and math.isinf(d["upper"]):
-        return ["give 'lower', 'upper' or both"]
-    return lower_below_upper(d)
-
-
 LIMIT = signal_of_input(
     "limit", __doc__, Field("lower", NUMBER, OF_INPUT, "least value; none when absent", -math.inf),
     Field("upper", NUMBER, OF_INPUT, "greatest value; none when absent", math.inf),
@@ -46,5 +39,6 @@ LIMIT = signal_of_input(
     same_unit_as=lambda d: d["input"],
     prepare=lambda d, nodes, context: limits_of(d),
     cases=({"lower": -0.05, "upper": 0.1},),
-    **named(check, residual, event_values),
+    check=lambda d, nodes: some_stop(d),
+    **named(residual, event_values),
 )  # fmt: skip
