@@ -105,7 +105,8 @@ def variant_in_time(d):
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
     shapes = SHAPES[_shapes(d)]
-    texts = check_one_surface(d) or _check_shape_of_b(d) or shapes.check(d, nodes)
+    several = ["give only one of 'rod', 'ellipsoid' and 'face'"] if len(_shapes_of_b(d)) > 1 else []
+    texts = check_one_surface(d) or several or shapes.check(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
@@ -129,11 +130,6 @@ def bounds(d):
 
 def _shapes_of_b(d):
     return [name for name in ("rod", "ellipsoid", "face") if d[name] is not None]
-
-
-def _check_shape_of_b(d):
-    """Return an error for several shapes on node b."""
-    return [] if len(_shapes_of_b(d)) < 2 else ["give only one of 'rod', 'ellipsoid' and 'face'"]
 
 
 def sample_in_time(rng):
@@ -232,15 +228,6 @@ def _elastic_kinds(shapes):
     return {False: smooth, True: rough}
 
 
-def _friction_kind(shapes, phases):
-    """Return the Kind of the friction of the rigid contacts of two shapes, a part of them with their ``phases``."""
-    return Kind(
-        name=f"{shapes.name}contact_friction", doc="Friction of a rigid contact.", dtype=_record(shapes),
-        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes), phases=phases,
-        idle={phase: () for phase in phases if phase != "closed"}, impact_friction=impact_friction(shapes),
-    )  # fmt: skip
-
-
 def _rigid_kinds(shapes, switches):
     """Return {rough: Kind} of the rigid contacts of two shapes; ``switches`` are those of SWITCHES or none."""
     inputs, phases, dtype = len(switches.get("inputs", ())), switches.get("phases", PHASES), _record(shapes)
@@ -252,7 +239,11 @@ def _rigid_kinds(shapes, switches):
         name=f"rigid_{shapes.name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
         layout=shapes.layout, multipliers=(NORMAL,), phases=phases, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
     )  # fmt: skip
-    friction = _friction_kind(shapes, phases)
+    friction = Kind(
+        name=f"{shapes.name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype, layout=ROUGH_LAYOUT,
+        coupled_multipliers=(NORMAL,), residual=rubbing(shapes), phases=phases,
+        idle={phase: () for phase in phases if phase != "closed"}, impact_friction=impact_friction(shapes),
+    )  # fmt: skip
     rubbed = replace(
         held, name=f"rigid_rough_{shapes.name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
         constraints=None, residual=None, parts=_parts(constraint, friction), **observed_rubbing(shapes, inputs),
@@ -260,13 +251,10 @@ def _rigid_kinds(shapes, switches):
     return {False: held, True: rubbed}
 
 
-def _kinds(shapes):
-    """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of two Shapes."""
-    found = {name: _rigid_kinds(shapes, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
-    return {"elastic": _elastic_kinds(shapes), **found}
-
-
-KINDS = {name: _kinds(shapes) for name, shapes in SHAPES.items()}
+KINDS = {
+    name: {"rigid": _rigid_kinds(one, {}), "switched": _rigid_kinds(one, SWITCHES), "elastic": _elastic_kinds(one)}
+    for name, one in SHAPES.items()
+}
 FORCES = (1, 3, 10)  # outputs of an elastic contact that are zero while it does not act
 ELASTIC_CONTACT = with_activation(with_release(_ALWAYS_ACTIVE, "contact", FORCES), "contact", FORCES)
 CONTACT = replace(ELASTIC_CONTACT, variant=variant_in_time, sample=sample_in_time)

@@ -209,8 +209,6 @@ DECLARED = {
 }  # fmt: skip
 
 
-def _variant(d):
-    return _with_coordinates(_driven(d), d["formula"] is not None)
-
-
-NONLINEAR_COUPLER = replace(_with_coordinates((False, False)), variant=_variant)
+NONLINEAR_COUPLER = replace(
+    _with_coordinates((False, False)), variant=lambda d: _with_coordinates(_driven(d), d["formula"] is not None)
+)

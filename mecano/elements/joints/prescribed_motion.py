@@ -67,7 +67,8 @@ def _prescribed(name, what, coordinate, constraint, place, motions=("value",), *
         number = RATE_ALONE if d[RATE] is not None else any(map(is_formula, drives(d)))
         return (released if d["release"] is not None else kinds)[number]
 
-    declared["fields"] += (_rate_field(coordinate), RELEASE)
+    doc = "rate, instead: its integral is the motion, of a law from the time 0, of a formula from the start of the run"
+    declared["fields"] += (Field(RATE, CONTINUOUS_DRIVE, f"{coordinate.unit}/s", doc, None), RELEASE)
     kind = Kind(
         name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout, **declared,
         **named(prepare, parts, drives, check, variant), **_of_motion(coordinate, BY_LAW),
@@ -76,12 +77,6 @@ def _prescribed(name, what, coordinate, constraint, place, motions=("value",), *
     released = [releasable(kind, **_released(coordinate, motion)) for motion in (BY_LAW, BY_FORMULA)]
     released.append(releasable(kind, **_of_rate(coordinate, 1)))
     return kind
-
-
-def _rate_field(coordinate):
-    """Return the field of the rate of a ``coordinate``."""
-    doc = "rate, instead: its integral is the motion, of a law from the time 0, of a formula from the start of the run"
-    return Field(RATE, CONTINUOUS_DRIVE, f"{coordinate.unit}/s", doc, None)
 
 
 def _of_motion(coordinate, motion):

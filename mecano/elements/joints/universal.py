@@ -148,14 +148,10 @@ def parts_with_friction(d, nodes, context):
     return [perpendicular, Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), *friction, *turning]
 
 
-def _compliance(d):
-    """Return the laws by the axes of pair.py: the cross takes the place of the first of them."""
-    return {("about_2" if axis == CROSS else axis): law for axis, law in d["compliance"].items()}
-
-
 def prepare_elastic(d, nodes, context):
-    """Return the axes of both nodes, and the constraint or law of each of four axes."""
-    return pair_record({**prepare(d, nodes, context), "start": np.zeros(3)}, ELASTIC, _compliance(d), context)
+    """Return the axes of both nodes, and the constraint or law of each of four axes, of which one is the cross."""
+    laws = {(ELASTIC[0] if axis == CROSS else axis): law for axis, law in d["compliance"].items()}
+    return pair_record({**prepare(d, nodes, context), "start": np.zeros(3)}, ELASTIC, laws, context)
 
 
 def parts_elastic(d, nodes, context):

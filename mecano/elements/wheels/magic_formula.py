@@ -114,7 +114,7 @@ def check(law):
     found = coefficients(law)
     wrong = [name for name in POSITIVE if found[name] <= 0.0]
     texts = [f"'tire_law.magic_formula': {name} must be greater than zero, got {found[name]:g}" for name in wrong]
-    texts = texts or [*_driving(found), *_without_reference(d)]
+    texts = texts or [*_unsuitable(d, found)]
     return texts or (check_turn_slip(found) if d["turn_slip"] else check_twist("magic_formula", d, "turn_slip"))
 
 
@@ -123,8 +123,8 @@ def missing_coefficients(given):
     return [name for name in NEEDED if name not in given]
 
 
-def _driving(c):
-    """Yield an error for each slip stiffness that has the wrong sign at the nominal load."""
+def _unsuitable(d, c):
+    """Yield errors for slip stiffnesses of the wrong sign at the nominal load, and a pressure without a nominal one."""
     along, aside = signed_stiffness(c, c["LFZO"] * c["FNOMIN"])
     for stiffness, name, sign in ((along, "PKX1", "positive"), (-aside, "PKY1", "negative")):
         if stiffness < 0.0:
@@ -132,10 +132,6 @@ def _driving(c):
                 f"'tire_law.magic_formula': {name} = {c[name]:g} gives a force that drives the slip instead of "
                 f"opposing it; in the axes of .tir files (ISO 8855) {name} is {sign}"
             )
-
-
-def _without_reference(d):
-    """Yield an error for a pressure without the nominal one of the file."""
     if d["pressure"] and not {"NOMPRES", "INFLPRES"} & set(d["coefficients"]):
         yield "'tire_law.magic_formula.pressure': the file has no NOMPRES, so its forces do not depend on the pressure"
 
