@@ -20,13 +20,8 @@ def power(a, i, s):
     c, p = a[i], a[i + 1]
     sign, size = (-1.0, -s) if s < 0.0 else (1.0, s)
     near = max(size, NEAR)
-    return sign * c * size**p, c * p * _derivative(size, near, p - 1.0), sign * c * p * (p - 1.0) * near ** (p - 2.0)
-
-
-@kernel
-def _derivative(size, near, exponent):
-    """Return size^exponent, finite at zero."""
-    return size**exponent if exponent >= 0.0 else near**exponent
+    slope = c * p * (size if p >= 1.0 else near) ** (p - 1.0)  # finite at zero
+    return sign * c * size**p, slope, sign * c * p * (p - 1.0) * near ** (p - 2.0)
 
 
 @kernel

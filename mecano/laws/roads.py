@@ -78,12 +78,8 @@ def pack_random(values):
     square = values["density"] * (frequency / values["reference"]) ** -values["exponent"] * np.diff(edges)
     phase = np.random.default_rng(values["seed"]).uniform(0.0, 2.0 * math.pi, n)
     phase -= 2.0 * math.pi * frequency * values["origin"]
-    return [
-        values["start"],
-        values["lead_in"],
-        n,
-        *np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1).ravel(),
-    ]
+    numbers = np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1)
+    return [values["start"], values["lead_in"], n, *numbers.ravel()]
 
 
 def shape_of_bump(values, low, high):
