@@ -199,16 +199,9 @@ def _stress_free(kind, geometry):
 
 @cache
 def span_kind(at_a_point, released, activation):
-    """Return the Kind of a span of a belt.
+    """Return the Kind of a span that ends ``at_a_point``, not at a second pulley, of a belt that may be ``released``.
 
-    Parameters
-    ----------
-    at_a_point : bool
-        Whether the span ends at a point, not at a second pulley.
-    released : bool
-        Whether the belt has a release.
-    activation : None or bool
-        None if the belt is always active, or whether it is activated stress-free.
+    ``activation`` is None if the belt is always active, otherwise whether it is activated stress-free.
     """
     plain, geometry, radii = (BELT_END, to_a_point, RADII_OF_END) if at_a_point else (BELT_SPAN, between_pulleys, RADII)
     if not released and activation is None:
@@ -257,13 +250,9 @@ def check_tangent(names, places, radii, frame):
 
 
 def samples_of_spans(radii, phases):
-    """Return the function rng -> samples, see Kind.sample, of spans between pulleys of these ``radii``."""
+    """Return ``Kind.sample`` of spans between pulleys of these ``radii`` at random places, in each phase."""
 
     def sample(rng):
-        """Return (values of RECORD, nodes, phase) of a span between two pulleys at random places, in each phase.
-
-        Lengths are in m, stiffness in N/m, damping in s; the axes (3, 3) of both pulleys in their nodes are random.
-        """
         found = []
         for phase in phases:
             values = {

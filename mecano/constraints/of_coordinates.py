@@ -27,15 +27,13 @@ HELD = (
      "moment that keeps two axes perpendicular"),
     ("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle"),
     ("same_distance", "Same distance: constant distance of two nodes.", LENGTH, "force that pushes the nodes apart"),
+    ("level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
+     LEVEL, "moment that keeps the axis level"),
 )  # fmt: skip
 """Name, page, coordinate and name of the multiplier of the constraints that hold a coordinate."""
-IN_PLANE, ORTHOGONAL, SAME_ANGLE, SAME_DISTANCE = (hold_kind(*row) for row in HELD)
-LEVEL_AXIS = hold_kind(
-    "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
-    LEVEL, "moment that keeps the axis level",
-)  # fmt: skip
+IN_PLANE, ORTHOGONAL, SAME_ANGLE, SAME_DISTANCE, LEVEL_AXIS = (hold_kind(*row) for row in HELD)
 
-SINES = {HELD[1][3], LEVEL_AXIS.multipliers[0].name}
+SINES = {kind.multipliers[0].name for kind in (ORTHOGONAL, LEVEL_AXIS)}
 """What the multipliers are called whose constraints are the sine of the angle by which an axis leans."""
 
 DRIVEN = (
