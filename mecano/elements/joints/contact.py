@@ -208,16 +208,6 @@ SWITCHES = {
 """Switches of a rigid contact: when it is activated and released. Without them it is always active."""
 
 
-def _parts(held, friction):
-    """Return ``parts`` of a rigid contact with friction: its constraint, and the friction that it causes."""
-
-    def parts(d, nodes, context):
-        p = prepare(d, nodes, context)
-        return [Part(held, (0, 1), p), Part(friction, (0, 1), p, coupled_to=(0,))]
-
-    return parts
-
-
 def _elastic_kinds(shapes):
     """Return {rough: Kind} of the elastic contacts of two shapes."""
     smooth = replace(
@@ -244,9 +234,14 @@ def _rigid_kinds(shapes, switches):
         coupled_multipliers=(NORMAL,), residual=rubbing(shapes), phases=phases,
         idle={phase: () for phase in phases if phase != "closed"}, impact_friction=impact_friction(shapes),
     )  # fmt: skip
+
+    def parts(d, nodes, context):
+        p = prepare(d, nodes, context)
+        return [Part(constraint, (0, 1), p), Part(friction, (0, 1), p, coupled_to=(0,))]
+
     rubbed = replace(
         held, name=f"rigid_rough_{shapes.name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
-        constraints=None, residual=None, parts=_parts(constraint, friction), **observed_rubbing(shapes, inputs),
+        constraints=None, residual=None, parts=parts, **observed_rubbing(shapes, inputs),
     )  # fmt: skip
     return {False: held, True: rubbed}
 

@@ -190,13 +190,11 @@ def _variable(kind, by_signal):
     return replace(
         kind, name="variable_coupler", dtype=with_fields(kind.dtype, law="i"), inputs=("ratio",) * by_signal,
         multipliers=(Row(first.name, first.unit, f"{first.constraint_unit}/s"),),
-        prepare=_prepare_variable, **named(residual, constraints, observe),
+        prepare=lambda d, nodes, context: {
+            **prepare({**d, "factors": (1.0, 1.0)}, nodes, context), "law": law_of(d["ratio"], context),
+        },
+        **named(residual, constraints, observe),
     )  # fmt: skip
-
-
-def _prepare_variable(d, nodes, context):
-    """Return the axes of both coordinates, and the law of the ratio."""
-    return {**prepare({**d, "factors": (1.0, 1.0)}, nodes, context), "law": law_of(d["ratio"], context)}
 
 
 def _joints(d):

@@ -124,12 +124,6 @@ def _functions(natural, strains):
     return residual, observe, event_values
 
 
-def _bar_functions(natural):
-    """Return the functions of a bar, which has no events."""
-    residual, observe, _ = _functions(natural, _of_a_bar)
-    return named(residual, observe)
-
-
 def _cable_functions(natural):
     """Return the functions of a cable: those of a bar, events, and outputs that say whether it is taut."""
     residual, put, event_values = _functions(natural, pulled)
@@ -165,15 +159,10 @@ def check(d, nodes):
         texts.append("'natural_length' must be greater than zero at t = 0")
     if not texts and prestrain(d) <= -1.0:
         texts.append("'pretension' must be greater than -EA")
-    return texts + check_pretension(d)
-
-
-def check_pretension(d):
-    """Check that the natural length follows from a pretension, or is given, or is shifted at an activation."""
-    free = bool(d.get("activate")) and is_stress_free(d)  # a bar has no activation
-    if d["pretension"] and d["natural_length"] is not None and not free:
-        return ["give either 'natural_length' or 'pretension', from which it follows"]
-    return []
+    shifted = bool(d.get("activate")) and is_stress_free(d)  # a bar has no activation
+    if d["pretension"] and natural is not None and not shifted:
+        texts.append("give either 'natural_length' or 'pretension', from which it follows")
+    return texts
 
 
 def _winds(d):
@@ -330,7 +319,7 @@ _TENSION_ONLY = replace(
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     sample=sample_cable,
 )
-BAR = _of_length(_BAR, _bar_functions)
+BAR = _of_length(_BAR, lambda natural: named(*_functions(natural, _of_a_bar)[:2]))  # it has no events
 
 
 def _cable(functions):

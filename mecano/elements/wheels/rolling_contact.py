@@ -118,11 +118,6 @@ def contact_of(law):
     return ON_ROUND if law.crowned else ON_FLAT
 
 
-def rolling_of(law):
-    """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
-    return contact_of(law)[0]
-
-
 @kernel
 def rolling_on(p, at, touching, tread, axis, surface, rise, curvature):
     """Return the Rolling of a Tread on a Surface that moves along its normal with ``rise`` [m/s].

@@ -78,7 +78,14 @@ def rolling_law(law):
         return SlipForces(ground.F, M, ground.lost - moment * spin, ground.given)
 
     def prepare(d, context):
-        return {**law.prepare(d, context), **_prepare(d, context)}
+        coefficient = d.get("rolling_radius_coefficient")
+        resistance = d.get("rolling_resistance") or {"coefficient": None, "by_speed": None, "least_speed": 1.0}
+        return {
+            **law.prepare(d, context), "undeflected": 0.0 if coefficient is None else 1.0 - coefficient,
+            "resistance": context.laws.add(resistance["coefficient"]),
+            "resistance_by_speed": context.laws.add(resistance["by_speed"]),
+            "resistance_speed": resistance["least_speed"],
+        }  # fmt: skip
 
     return replace(
         law, name=f"{law.name}_rolling", forces=rolled_forces, slip=at_effective_radius,
@@ -113,18 +120,6 @@ def at_effective_radius(p, k):
     extra, _, share = _radius(p, k)
     back = extra * share * dot(_axis(k), k.omega) * k.t
     return slipping(k, k.v - back, k.v_0 - back)
-
-
-def _prepare(d, context):
-    """Return the values of RECORD."""
-    coefficient = d.get("rolling_radius_coefficient")
-    resistance = d.get("rolling_resistance") or {"coefficient": None, "by_speed": None, "least_speed": 1.0}
-    return {
-        "undeflected": 0.0 if coefficient is None else 1.0 - coefficient,
-        "resistance": context.laws.add(resistance["coefficient"]),
-        "resistance_by_speed": context.laws.add(resistance["by_speed"]),
-        "resistance_speed": resistance["least_speed"],
-    }
 
 
 def with_rolling(sample):

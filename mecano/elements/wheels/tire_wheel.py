@@ -101,14 +101,11 @@ def check_wheel(d, nodes):
     place = ground_of(d), nodes[0][0], d["axis"]
     texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place, CLEAR * d["tire_law"]["radius"])
     texts += check_crown(d["tire_law"]["radius"], crown_of(d))
-    return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d, *place))
-
-
-def _check_deformation(d, ground, x, axis):
-    """Return errors for an initial deformation outside the validity of the tyre law."""
-    gap, along_normal = tread_above(ground, d["tire_law"]["radius"], crown_of(d), x, axis)
-    most, limit = deepest(d["tire_law"])
-    return [too_low(-gap, -along_normal, limit)] if -gap > most else []
+    if not texts:
+        gap, along_normal = tread_above(place[0], d["tire_law"]["radius"], crown_of(d), *place[1:])
+        most, limit = deepest(d["tire_law"])
+        texts = [too_low(-gap, -along_normal, limit)] if -gap > most else []
+    return check_tire_law(d["tire_law"]) + texts
 
 
 def deepest(law):

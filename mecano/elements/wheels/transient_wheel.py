@@ -41,9 +41,9 @@ from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
     add_ground,
     by_slip_law,
+    contact_of,
     law_samples,
     put_rolling,
-    rolling_of,
     wheel_on_ground,
     with_slip,
 )
@@ -115,7 +115,7 @@ def put_spring(e, at, i, K, tau):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip, seen, rolling = law.forces, law.slip, law.seen, rolling_of(law)
+    forces, slip, seen, (rolling, _) = law.forces, law.slip, law.seen, contact_of(law)
     twists, twist = law.twists, twisted if law.twists else untwisted
 
     @kernel
