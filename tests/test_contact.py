@@ -128,6 +128,42 @@ def test_a_row_of_balls_that_is_hit_slowly_moves_on_together():
     np.testing.assert_allclose([run[f"nodes/b{i}/velocity"][-1, 0] for i in range(5)], v / 5)
 
 
+def carts(n, moving, restitutions):
+    """The run of n carts of 1 kg in line, the last one at a wall: the first ``moving`` ones hit the others with 1 m/s.
+
+    ``restitutions`` (n,) are those of the wall and of the n - 1 contacts between carts.
+    """
+    places = [0.2 * i + (0.1 if i >= moving else 0.0) for i in range(n)]
+    body, ball = "mass: 1, inertia: [0.01, 0.01, 0.01]", "radius: 0.1, restitution:"
+    nodes = ", ".join(f"c{i}: {{position: [{x}, 0, 0]}}" for i, x in enumerate(places))
+    wall = f"ground, c{n - 1}], plane: {{normal: [-1, 0, 0], point: [{places[-1] + 0.1}, 0, 0]}}"
+    shapes = [wall, *(f"c{i - 1}, c{i}], sphere: {{radius: 0.1}}" for i in range(1, n))]
+    elements = [f"cart{i}: {{type: rigid_body, node: c{i}, {body}}}" for i in range(n)]
+    elements += [f"k{i}: {{type: contact, nodes: [{shapes[i]}, {ball} {e}}}" for i, e in enumerate(restitutions)]
+    rails = [f"rail{i}: {{type: prismatic, nodes: [ground, c{i}], axis: [1, 0, 0]}}" for i in range(n)]
+    return RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{{nodes}}}
+        elements: {{{", ".join(elements)}}}
+        joints: {{{", ".join(rails)}}}
+        initial: {{velocities: [{{nodes: {[f"c{i}" for i in range(moving)]}, velocity: [1, 0, 0]}}]}}
+        time: {{end: 0.2, step: 1 ms}}
+    """)
+    )
+
+
+@pytest.mark.parametrize("restitutions", [(0, 0), (0, 0, 0), (0, 0.5, 0), (1, 0.5, 0), (0.5, 0.5, 0), (0, 1, 0, 0)])
+def test_impacts_that_run_to_and_fro_between_idle_contacts_end(restitutions):
+    """Carts that touch without force, the last one at a wall, are hit: energy is balanced, none enters another."""
+    n = len(restitutions)
+    run = carts(n, 1, restitutions)
+    speeds = np.array([run[f"nodes/c{i}/velocity"][-1, 0] for i in range(n)])
+    assert sum(event.lost for event in run.event_records) == pytest.approx(0.5 - 0.5 * speeds @ speeds, abs=1e-9)
+    assert np.diff([*speeds, 0.0]).min() > -1e-9  # no cart enters another, or the wall
+
+
 def test_a_row_of_masses_on_rods_keeps_its_energy():
     """Spheres around point masses, on nodes whose rotations have no mass: the first passes its speed to the last.
 

@@ -172,9 +172,13 @@ class Shocks:
             for c in due:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > least and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
-        if np.isinf(self.rest).any() or self._are_slow(hitting, rates):
+        if self._all_touching(hitting, rates):
             hit[[c.event for c in self.impact_candidates.opening.near(g, self.near)]] = True
         return hit
+
+    def _all_touching(self, hitting, rates):
+        """Return whether all contacts that touch take part in the impact of the candidates ``hitting``."""
+        return np.isinf(self.rest).any() or self._are_slow(hitting, rates)
 
     def _are_slow(self, hitting, rates):
         """Return whether some contacts close at their ``rates`` (n_l,), but none so fast that it rebounds."""
@@ -202,8 +206,12 @@ class Shocks:
         noticeably count as closed. Closed contacts without a force, for the mean stiffness k [N/m], are opened first:
         if the impact reaches them, they follow at the same time, as in Newton's cradle. If it does not change their
         rates they stay closed: two idle contacts that rounding errors close would else open each other without end.
+        None is opened where all that touch are hit together: impacts would run to and fro between them.
         """
         idle = self._idle(s, k)
+        if idle.any():
+            hitting = self.impact_candidates.split(hit)[0]
+            idle &= not self._all_touching(hitting, self._derivatives(s, hitting)[:, 1])
         shock = self._solve(s, hit | idle, compliance, h, at_once, k)
         missed = self._missed(s, shock.state, idle)
         return self._solve(s, hit | idle & ~missed, compliance, h, at_once, k) if missed.any() else shock
