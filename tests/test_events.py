@@ -12,6 +12,8 @@ import pytest
 from scipy.optimize import brentq
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.initial_state import set_initial_state
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.solve.events.location import Point, Search
 
 g = 9.81
@@ -374,3 +376,33 @@ def test_no_step_is_made_to_an_event_at_the_rounding_of_time(monkeypatch):
     [event] = recorded.event_records
     assert (event.name, event.t) == ("switches on", pytest.approx(t, abs=1e-12))
     assert recorded["nodes/a/velocity"][-1, 2] == pytest.approx(-9.81 * 0.2 + 20 * 0.1, abs=1e-9)
+
+
+def test_a_contact_that_separates_does_not_close_by_rounding():
+    """Balls touch the floor: one falls on it; one rises, but overlaps by rounding in the steps to that impact."""
+    z = math.nextafter(0.1, 1.0)
+    ball, floor = "mass: 1, inertia: [4e-3, 4e-3, 4e-3]", "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1"
+    prepared = prepare(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{falling: {{position: [0, 0, {z!r}]}}, rising: {{position: [1, 0, {z!r}]}}}}
+        elements:
+          a: {{type: rigid_body, node: falling, {ball}}}
+          b: {{type: rigid_body, node: rising, {ball}}}
+          under_a: {{type: contact, nodes: [ground, falling], {floor}}}
+          under_b: {{type: contact, nodes: [ground, rising], {floor}}}
+        initial:
+          velocities: [{{nodes: [falling], velocity: [0, 0, -1]}}, {{nodes: [rising], velocity: [0, 0, 1]}}]
+        time: {{end: 0.01, step: 1 ms}}
+    """)
+    )
+    set_initial_state(prepared)
+    integrator, found = integrator_of(prepared), []
+    integrator.observers = (lambda accepted: found.extend(accepted.event_records),)
+    run = integrator.begin(prepared.state, 1e-3)
+    values, rounding = integrator.monitor.values, np.array([0.0, 0.0, 1e-14, 0.0])  # closes, opens of each contact
+    integrator.monitor.values = lambda s: values(s) + (rounding if 0.0 < s.t < 1e-12 else 0.0)
+    run = integrator.to(0.01, run)
+    assert [event.element for event in found] == ["contact 'under_a'"]
+    assert run.dissipated == pytest.approx(0.5)

@@ -88,16 +88,17 @@ def locate(
         return search.beginning
     late, hit = search.late, crossed.copy()
     assert late.trial is not None, "the late end is that of a step"
-    least = np.where(monitor.impacts, UNSEEN * np.abs(g0), 0.0)  # of contacts that have just opened, above rounding
-    unseen = (monitor.elastic | monitor.impacts) & ~crossed  # values of others are reactions, rounded in short steps
     reached = monitor.values(late.state) - level
-    if np.any(unseen & (g0 < 0.0) & (reached > least)):
-        return locate(monitor, step, s0, g0, late.trial, late.h, level)
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
     hit[crossed] = reached[crossed] >= np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
     # an event within a phase is recorded only by the memory that a step commits: it needs a step, however short
-    at_once = late.h <= AT_ONCE * h and not monitor.within_a_phase(hit)
-    return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
+    if late.h <= AT_ONCE * h and not monitor.within_a_phase(hit):
+        return Located(0.0, None, hit)
+    least = np.where(monitor.impacts, UNSEEN * np.abs(g0), 0.0)  # of contacts that have just opened, above rounding
+    unseen = (monitor.elastic | monitor.impacts) & ~crossed  # values of others are reactions, rounded in short steps
+    if np.any(unseen & (g0 < 0.0) & (reached > least)):
+        return locate(monitor, step, s0, g0, late.trial, late.h, level)
+    return Located(late.h, late.trial, hit)
 
 
 def look_ahead(monitor: EventMonitor, s: State, g: np.ndarray, h: float) -> tuple[State, np.ndarray]:
