@@ -89,6 +89,34 @@ ROD = """
 """
 
 
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_the_loss_of_an_impact_includes_the_friction_of_contacts_at_rest(e):
+    """A ball with backspin hits a wall, whose friction presses it to the floor: (1 + mu^2) P = m (1 + e) v."""
+    mu, m, J, r = 0.4, 2.0, 8e-3, 0.1
+    rough = f"radius: {r}, friction: {{coefficient: {mu}, regularization: 0.1 mm/s}}"
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{a: {{position: [0, 0, {r}]}}}}
+        elements:
+          ball: {{type: rigid_body, node: a, mass: {m}, inertia: [{J}, {J}, {J}]}}
+          floor: {{type: contact, nodes: [ground, a], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}}, {rough}}}
+          wall:
+            {{type: contact, nodes: [ground, a], plane: {{normal: [-1, 0, 0], point: [0.11, 0, 0]}}, {rough},
+             restitution: {e}}}
+        initial: {{velocities: [{{nodes: [a], velocity: [2, 0, 0], angular_velocity: [0, -60, 0], about: own}}]}}
+        time: {{end: 0.006, step: 1 ms}}
+    """)
+    )
+    hit = next(event for event in run.event_records if event.element == "contact 'wall'")
+    v, spin = 2.0 - mu * 9.81 * hit.t, 60.0 - mu * m * 9.81 * r / J * hit.t
+    P = (1 + e) * m * v / (1 + mu**2)
+    after = spin - r * (mu + mu**2) * P / J
+    assert hit.impulse == pytest.approx(P, rel=1e-6)
+    assert hit.lost == pytest.approx(0.5 * m * (1 - e**2) * v**2 + 0.5 * J * (spin**2 - after**2), rel=1e-6)
+
+
 def test_a_rod_does_not_gain_energy_by_friction():
     """With e = 1 it would gain 3.09 J (Kane 1984): it rebounds with the energy that it had."""
     text = ROD.replace("HEIGHT", repr(0.01 + math.sin(0.7))).replace("AHEAD", repr(math.cos(0.7)))

@@ -180,6 +180,16 @@ class ImpactSolution:
             mean = 0.5 * contact.sliding(self.all_held.v + self.held.v)
             self.friction_losses[self.leads[contact.contact]] -= P @ mean
 
+    def _rubbed(self, resting, met):
+        """Return the energies (n_l,) [J] that friction takes at contacts at rest, in equal parts for those that close.
+
+        Contacts at rest have no event of their own.
+        """
+        shares = np.zeros(self.system.n_l)
+        if met:
+            shares[[c.lead for c in met]] = self.friction_losses[[c.lead for c in resting]].sum() / len(met)
+        return shares
+
     def _sliding(self, v):
         """Return the velocities of sliding (2 m,) [m/s] of the m rough contacts at velocities v (n_all,)."""
         return np.concatenate([contact.sliding(v) for contact in self.rough])
@@ -221,7 +231,9 @@ class ImpactSolution:
         stay = {c: True for c in closing + resting if self._stays(c, c in new, slow)}  # in their order
         gone = [c for c in resting if c not in stay]
         end = self.shocks.impact_candidates.in_phase(replace(s, v=self.held.v), stay, "after")
-        happened = [*event_records, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
+        met = [c for c in closing if self._meets(c, stay)]
+        shares = lost + self._rubbed(resting, met)
+        happened = [*event_records, *(self._met(s.t, c, c in stay, shares) for c in met)]
         leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h, no_force)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
         end = self.shocks.impact_candidates.in_phase(end, [*gone, *leaving], "opened")
