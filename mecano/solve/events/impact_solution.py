@@ -257,14 +257,14 @@ class ImpactSolution:
             return True
         if candidate not in self.uncoupled:
             return self.held.phases[candidate.phase] == candidate.through
-        before, after, rest = self.before[candidate.lead], self.after[candidate.lead], self.shocks.rest[candidate.lead]
-        if closes and before >= -rest:
-            return after <= max(before, rest)
+        before, after, least = (of[candidate.lead] for of in (self.before, self.after, self.shocks.least))
+        if closes and before >= -self.shocks.rest[candidate.lead]:
+            return after <= least and (before <= least or after >= -least)
         if slow and not closes:
-            return after <= self.shocks.least[candidate.lead]
+            return after <= least
         rebounds = closes and self.e[self.uncoupled[candidate]] > 0.0 and self.impulses[candidate.lead] > 0.0
         largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
-        return not rebounds and after <= STILL * max(largest, self.shocks.least[candidate.lead])
+        return not rebounds and after <= STILL * max(largest, least)
 
     def _meets(self, candidate, stay):
         return candidate in stay or self.impulses[candidate.lead] != 0.0
