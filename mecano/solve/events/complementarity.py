@@ -46,6 +46,7 @@ def _reactions(W, b, share, guess):
         reactions = _of_these(W, b, share, np.flatnonzero(guess))
         if not reactions.any():
             reactions = _of_some(W, b, share)
+        reactions = _shared(W, b, share, reactions)
     return reactions
 
 
@@ -75,6 +76,41 @@ def _of_some(W, b, share):
     return reactions
 
 
+def _shared(W, b, share, x):
+    """Return the solution of least norm, in units of ``share``, of those in which all contacts move as in x (n,).
+
+    One that rests without pushing shares the load of others that it repeats as long as that reduces the norm.
+    """
+    A = share[:, None] * W * share
+    for _ in range(MOST * len(x)):
+        push, rests = x > 0.0, (x <= 0.0) & (np.abs(W @ x + b) <= NEGLIGIBLE)
+        if not (push.any() and rests.any()):
+            break
+        right = np.column_stack([x[push] / share[push], A[np.ix_(push, rests)]])
+        weights = np.linalg.lstsq(A[np.ix_(push, push)], right, rcond=1e-10)[0]
+        gain, own = A[np.ix_(rests, push)] @ weights[:, 0], np.diag(A)[rests]
+        repeats = own - np.sum(right[:, 1:] * weights[:, 1:], axis=0) <= FITS * own
+        gain = np.where(repeats, gain, 0.0)
+        if gain.max() <= FITS * right[:, 0].max():
+            break
+        push[np.flatnonzero(rests)[np.argmax(gain)]] = True
+        x = _towards(x, push, lambda of: _least(W[np.ix_(of, of)], b[of], share[of]))
+    return x
+
+
+def _towards(x, free, best_of):
+    """Return the best x (n,) >= 0 of those ``free`` (n,) bool; ``best_of(free)`` may be negative: these are dropped."""
+    while True:
+        best = np.zeros(len(x))
+        best[free] = best_of(free)
+        if best[free].min(initial=1.0) > 0.0:
+            return best
+        blocks = free & (best <= 0.0)
+        x = x + (x[blocks] / (x[blocks] - best[blocks])).min() * (best - x)
+        free = free & (x > NEGLIGIBLE * x.max())
+        x = np.where(free, x, 0.0)
+
+
 def _nonnegative(A, b):
     """Return the x (n,) >= 0 that minimizes |A x - b|, by the active set method of Lawson & Hanson (1974, 23.3)."""
     x, free = np.zeros(A.shape[1]), np.zeros(A.shape[1], bool)
@@ -83,14 +119,6 @@ def _nonnegative(A, b):
         if descent.max() <= NEGLIGIBLE:
             break
         free[np.argmax(descent)] = True
-        while True:
-            best = np.zeros(len(x))
-            best[free] = np.linalg.lstsq(A[:, free], b, rcond=None)[0]
-            if best[free].min(initial=1.0) > 0.0:
-                break
-            blocks = free & (best <= 0.0)
-            x += (x[blocks] / (x[blocks] - best[blocks])).min() * (best - x)
-            free &= x > NEGLIGIBLE * x.max()
-            x[~free] = 0.0
-        x = best
+        x = _towards(x, free, lambda of: np.linalg.lstsq(A[:, of], b, rcond=None)[0])
+        free = x > 0.0
     return x
