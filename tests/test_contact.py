@@ -171,6 +171,28 @@ def test_impacts_that_run_to_and_fro_between_idle_contacts_end(moving, restituti
     assert np.diff([*speeds, 0.0]).min() > -1e-9  # no cart enters another, or the wall
 
 
+def test_balls_that_touch_are_hit_together_whatever_rounding_makes_of_their_gaps():
+    """Two balls hit one between them, with gaps of -3e-17 m and 0: it stays, and they rebound with half their speed."""
+    body, ball = "mass: 1, inertia: [1e-3, 1e-3, 1e-3]", "sphere: {radius: 0.1}, radius: 0.1, restitution: 0.5"
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0.1, 0, 0]}}, b: {{position: [0.3, 0, 0]}}, c: {{position: [0.5, 0, 0]}}}}
+        elements:
+          a: {{type: rigid_body, node: a, {body}}}
+          b: {{type: rigid_body, node: b, {body}}}
+          c: {{type: rigid_body, node: c, {body}}}
+          ab: {{type: contact, nodes: [a, b], {ball}}}
+          bc: {{type: contact, nodes: [b, c], {ball}}}
+        initial: {{velocities: [{{nodes: [a], velocity: [1, 0, 0]}}, {{nodes: [c], velocity: [-1, 0, 0]}}]}}
+        time: {{end: 0.01, step: 1 ms}}
+    """)
+    )
+    assert run["elements/ab/gap"][0] < 0.0 == run["elements/bc/gap"][0]
+    np.testing.assert_allclose([run[f"nodes/{n}/velocity"][-1, 0] for n in "abc"], [-0.5, 0, 0.5], atol=1e-12)
+
+
 def test_a_row_of_masses_on_rods_keeps_its_energy():
     """Spheres around point masses, on nodes whose rotations have no mass: the first passes its speed to the last.
 

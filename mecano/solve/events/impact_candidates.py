@@ -93,7 +93,7 @@ class ImpactCandidates:
         Of two that share a phase, only the nearer one.
         """
         values = g[self.all.events]
-        ahead = self.all.where(~hit[self.all.events] & (-np.inf < values) & (values < 0.0))
+        ahead = self.all.where(~hit[self.all.events] & (-np.inf < values) & (values <= 0.0))
         return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # the nearer of two stops
 
     def touching(self, near: np.ndarray) -> np.ndarray:
