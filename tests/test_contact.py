@@ -193,6 +193,32 @@ def test_balls_that_touch_are_hit_together_whatever_rounding_makes_of_their_gaps
     np.testing.assert_allclose([run[f"nodes/{n}/velocity"][-1, 0] for n in "abc"], [-0.5, 0, 0.5], atol=1e-12)
 
 
+def test_impacts_pass_along_a_row_after_another_ball_has_come_to_rest():
+    """Elsewhere a ball rebounds ever faster until it rests; later the last of three touching balls takes the speed."""
+    ball, places = "mass: 1, inertia: [1e-3, 1e-3, 1e-3]", {"a": -0.3, "b": 0.2, "c": 0.4}
+    nodes = ", ".join(f"{name}: {{position: [{x}, 0, 0]}}" for name, x in places.items())
+    elements = [f"{name}: {{type: rigid_body, node: {name}, {ball}}}" for name in (*places, "low")]
+    pairs = [f"{i}{j}: {{type: contact, nodes: [{i}, {j}], sphere: {{radius: 0.1}}, radius: 0.1, restitution: 1}}"
+             for i, j in ("ab", "bc")]  # fmt: skip
+    rails = [f"{name}: {{type: prismatic, nodes: [ground, {name}], axis: [1, 0, 0]}}" for name in places]
+    floor = "plane: {normal: [0, 0, 1], point: [0, 1, 0]}, radius: 0.1, restitution: 0.5"
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -{g}]
+        nodes: {{{nodes}, low: {{position: [0, 1, 0.105]}}}}
+        elements: {{{", ".join(elements + pairs)}, floor: {{type: contact, nodes: [ground, low], {floor}}}}}
+        joints: {{{", ".join(rails)}}}
+        initial: {{velocities: [{{nodes: [a], velocity: [1, 0, 0]}}]}}
+        time: {{end: 0.4, step: 0.1, rest_speed: 1.0e-9}}
+    """)
+    )
+    assert len([event for event in run.event_records if event.element == "contact 'floor'"]) > 15
+    passed = [event.element for event in run.event_records if event.impulse and event.t > 0.2]
+    assert passed == ["contact 'ab'", "contact 'bc'"]
+    np.testing.assert_allclose([run[f"nodes/{name}/velocity"][-1, 0] for name in "abc"], [0, 0, 1], atol=1e-9)
+
+
 def test_a_row_of_masses_on_rods_keeps_its_energy():
     """Spheres around point masses, on nodes whose rotations have no mass: the first passes its speed to the last.
 

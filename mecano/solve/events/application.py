@@ -52,6 +52,7 @@ class EventApplication:
         None).
         """
         self.capture.count(hit, run)
+        self._forget(run)
         applied = self._with_energies(run, s, hit, at_once)
         self.instants += 1
         self.happened.update(event.element for event in applied[2])
@@ -112,6 +113,14 @@ class EventApplication:
                 self.neglecting.add(found[0])
                 self.warnings.append(joint_friction.omission_warning(t, shock, *found))
 
+    def _forget(self, run):
+        """Forget the events of an earlier instant: contacts that rebounded often then rebound again."""
+        if run.motion.t - self.since > STANDSTILL * run.h:
+            self.since = run.motion.t
+            self.repeats.clear()
+            self.idle.clear()
+            self._suppress_rebound()
+
     def _guard(self, run, hit, event_records):
         """Capture elastic events if one of the events ``hit`` repeats at one instant.
 
@@ -119,10 +128,6 @@ class EventApplication:
         consistent with the end of a step (capture.py).
         """
         t = run.motion.t
-        if t - self.since > STANDSTILL * run.h:
-            self.since = t
-            self.repeats.clear()
-            self.idle.clear()
         once = {(event.element, event.name): event for event in event_records}  # of parts only once
         self.repeats.update(once.keys())
         self.idle.update(event.element for event in once.values() if event.unit and not event.impulse)
