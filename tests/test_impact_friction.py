@@ -214,6 +214,21 @@ def test_impulses_obey_coulombs_law(n):
         assert np.concatenate([x, y]) @ (rates + after) < 1e-9
 
 
+def test_contacts_that_repeat_one_another_up_to_rounding_need_few_sweeps():
+    """Two contacts of one mass stick; without impulses they would slide at velocities that differ by 1e-9."""
+    called = []
+
+    def normal(b):
+        called.append(b)
+        return np.full(2, 10.0)
+
+    u, contacts = np.array([1.0, 0.5, 1.0 + 1e-9, 0.5]), [SimpleNamespace(contact=i, mu=1.0) for i in range(2)]
+    W = np.tile(np.eye(2), (2, 2))
+    pushes, along = solve_with_friction(normal, np.zeros((2, 4)), W, np.zeros(2), u, contacts)
+    np.testing.assert_allclose(W @ along + u, 0.0, atol=2e-9)
+    assert len(called) < 20
+
+
 def test_a_ball_begins_to_slide_down_a_slope():
     """It touches the slope, along which it moves up to rounding, and is slowed by mu m g cos a.
 

@@ -29,6 +29,7 @@ SHARES = 1.0, 0.3, 0.1  # relaxation factors of the sweeps, tried one after the 
 SWEEPS = 300  # largest number of sweeps with one of these factors
 ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
 ACCEPTED = 1e-2  # of the largest impulse, or velocity: redundant contacts, as corners of a box, converge slowly
+STALLS = 1e-8, 10  # of the largest impulse, sweeps: smaller changes that so many sweeps do not halve are rounding
 DIVERGED = 1e3  # of the largest impulse: the sweeps with this factor diverge
 PRESSED = 1e6  # times the impulse that stops the contacts one by one: beyond, velocities lose ten digits by rounding
 REPEATED = 1e-9  # relative: changes of two sweeps that differ by less are equal
@@ -100,7 +101,7 @@ def solve_with_friction(
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
     blocks = _blocks(W_tt)
     fastest = max(-b.min(initial=0.0), np.abs(u).max(initial=0.0))
-    most = _largest_impulse(W_tt, fastest)
+    most, sizes = _largest_impulse(W_tt, fastest), list[float]()
 
     def sweep(along):
         pushes = normal(b + W_nt @ along)
@@ -108,6 +109,7 @@ def solve_with_friction(
         largest = pushes.max(initial=0.0)
         with np.errstate(over="ignore"):  # of sweeps that diverge
             size = np.abs(change).max() / max(largest, TINY) if largest <= most else np.inf
+        sizes.append(size)
         return size, change, pushes, along
 
     best = last = sweep(np.zeros(len(u)) if start is None else start)
@@ -115,7 +117,7 @@ def solve_with_friction(
     changes: list[np.ndarray] = []
     stride, former = 1.0, np.inf
     for _ in range(ACCELERATED):
-        if best[0] <= ROUNDING or last[0] > DIVERGED:
+        if best[0] <= ROUNDING or last[0] > DIVERGED or _stalls(sizes):
             break
         points, changes = [*points, last[3]][-len(u) - 1 :], [*changes, last[1]][-len(u) - 1 :]
         if last[0] > 0.1 * former and _repeats(changes):
@@ -128,7 +130,7 @@ def solve_with_friction(
     for share in SHARES:
         last = best
         for _ in range(SWEEPS):
-            if best[0] <= ROUNDING or last[0] > DIVERGED:
+            if best[0] <= ROUNDING or last[0] > DIVERGED or _stalls(sizes):
                 break
             last = sweep(last[-1] + share * last[1])
             best = min(best, last, key=lambda found: found[0])
@@ -146,6 +148,15 @@ def _largest_impulse(W, fastest):
     responses = np.diag(W)
     massive = responses[responses > MASSLESS * responses.max(initial=0.0)]
     return PRESSED * fastest / massive.min() if len(massive) else np.inf
+
+
+def _stalls(sizes):
+    """Return whether the ``sizes`` of the changes of all sweeps are small and no longer fall.
+
+    Sticking contacts that repeat one another contradict one another by the rounding of their positions.
+    """
+    least, sweeps = STALLS
+    return len(sizes) > sweeps and (best := min(sizes)) <= least and min(sizes[:-sweeps]) <= 2.0 * best
 
 
 def _repeats(changes):
