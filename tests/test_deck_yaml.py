@@ -162,10 +162,12 @@ def test_tab_gets_a_hint():
     assert info.value.problems[0].hint == "indent with spaces, not with tabs"
 
 
-def test_results_read_as_a_deck_get_a_hint():
-    with pytest.raises(DeckError) as info:
-        deck_of_bytes(b"\x89HDF\r\n\x1a\n\0", "d", **FAKE)
-    assert info.value.problems[0].hint == "it is an HDF5 file, such as the results of a run"
+def test_results_in_place_of_a_deck_get_a_hint(tmp_path):
+    results = tmp_path / "run.h5"
+    results.write_bytes(b"\x89HDF\r\n\x1a\n".ljust(65 * 2**20))  # larger than any deck
+    with pytest.raises(DeckError, match="the results of a run, not a deck") as info:
+        read_deck(results)
+    assert info.value.problems[0].hint.endswith(f"take the deck and --at {results}:TIME, in Python at=")
 
 
 @pytest.mark.parametrize(

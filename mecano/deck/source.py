@@ -114,7 +114,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         raise Unreadable(getattr(error, "strerror", None) or str(error)) from None
-    if len(data) > MAX_BYTES:
+    if len(data) > MAX_BYTES and not data.startswith(HDF5):
         raise Unreadable(f"it is larger than {MAX_BYTES // 2**20} MiB")
     return data
 
@@ -124,6 +124,11 @@ def decoded(data: bytes, file: str) -> Source:
 
     Raises DeckError for other bytes.
     """
+    if data.startswith(HDF5):
+        text = "this is an HDF5 file, such as the results of a run, not a deck"
+        hint = f"`mecano info {file}` names its deck; modes, response and margins about a saved state take "
+        hint += f"the deck and --at {file}:TIME, in Python at="
+        raise DeckError([Problem(text, Mark(file, 1, 1), hint)])
     data = data.removeprefix(BYTE_ORDER_MARK)
     try:
         source = Source(file, data.decode())
@@ -131,8 +136,7 @@ def decoded(data: bytes, file: str) -> Source:
         source = Source(file, data.decode(errors="replace"))
         mark = source.mark_at(len(data[: error.start].decode(errors="replace")))
         text = f"byte 0x{data[error.start]:02x} is not UTF-8"
-        hint = "it is an HDF5 file, such as the results of a run" if data.startswith(HDF5) else "save the file as UTF-8"
-        raise DeckError([Problem(text, mark, hint)]) from None
+        raise DeckError([Problem(text, mark, "save the file as UTF-8")]) from None
     wrong = FORBIDDEN.search(source.text)
     if wrong:
         mark = source.mark_at(wrong.start())
