@@ -1,6 +1,6 @@
 r"""Spring-damper: a force along the line between two nodes, from a law of its extension and rate.
 
-With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell` (theory.md section 3):
+With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`:
 
 .. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0) - \dot\ell_0, \qquad N = N(e, \dot e), \qquad
    f_1 = -f_0 = N u
