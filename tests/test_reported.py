@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+import yaml
 from process import flowing, mecano_process, settings
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
@@ -86,7 +87,7 @@ def test_warnings_are_printed_once_and_stored(name, tmp_path):
         ("pendulum", "[pin]", "velocity: [0, 0, 1]", "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s"),  # on the ground
         ("pendulum", "[pin]", "angular_velocity: [2, 3, 0]", "node 'pin' from [2, 3, 0] to [0, 3, 0] rad/s"),
         ("pendulum", "[pin]", "angular_velocity: [0, 3, 0]", ""),
-        ("pendulum", "all", "velocity: [0, 0, 1]", ""),
+        ("pendulum", "all", "angular_velocity: [0, 3, 0], about: own", ""),
         ("spherical_pendulum", "[ball]", "angular_velocity: [0, 0, 3], about: [0, 0, 0]", ""),  # a point does not turn
         ("caster_shimmy", "[hub]", "angular_velocity: [0, 0.1, 0]", ""),  # beside steady running
     ],
@@ -150,6 +151,16 @@ def test_check_says_that_initial_velocities_cannot_be():
     assert violated in said and "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s" in said and "at start" not in said
     said = flowing(summary(deck_of_bytes(SLIDER, "slider.yaml")))
     assert violated in said and "node 'block' from [1, 0, 1] to [1, 0, 0] m/s" in said and "at start" not in said
+
+
+@pytest.mark.parametrize(("velocity", "warned"), [("[1, 0, 0]", False), ("[1, 0, 1]", True)])
+def test_a_velocity_of_all_nodes_that_none_of_them_can_have_is_reported(velocity, warned):
+    """The rail lets block and link move along x only; `mecano.check` has the warnings of the text."""
+    text = SLIDER.decode().replace("nodes: [block], velocity: [1, 0, 1]", f"nodes: all, velocity: {velocity}")
+    found = mecano.check(yaml.safe_load(text))
+    said = "node 'block' from [1, 0, 1] to [1, 0, 0] m/s. No node can move as 'nodes: all' demands"
+    assert [said in warning for warning in found.warnings] == warned * [True]
+    assert (said in flowing(str(found))) == warned
 
 
 def test_what_a_drive_sets_in_motion_is_listed(tmp_path):

@@ -12,16 +12,22 @@ from mecano.solve.linear.rounding import ROUNDING
 NOTICED = 1e-6  # of the fastest motion: a motion of a node that the deck leaves at rest, which is reported
 VIOLATED = 1e-4  # of the fastest motion: a reported change of a velocity, which decks give with some four digits
 MOST_NAMES = 3
+NOT_NAMED = (
+    "Nodes that are not named, including those attached to a body, have no velocity: name all nodes that move, with "
+    "'about' for a rotation"
+)
 
 
 def changed_velocities(deck: Deck, system: System, given: State, start: State, length: float) -> list[str]:
     """Return a warning about the node whose velocity, or else angular velocity, the constraints changed most.
 
     ``given``: the state with the velocities of the deck, ``start``: with consistent ones; ``length`` [m]: the length
-    scale. Only nodes that the deck names are considered.
+    scale. Only nodes that the deck names are considered, and with ``nodes: all`` all if none has its velocity.
     """
     of = system.numbering
-    entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
+    entries = deck.values["initial"]["velocities"]
+    everywhere = any(any(e["velocity"] + e["angular_velocity"]) for e in entries if e["nodes"] == "all")
+    entries = [entry for entry in entries if entry["nodes"] != "all"]
     named = {name for entry in entries for name in entry["nodes"]}
     turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
     turned &= _turning(system)
@@ -34,16 +40,17 @@ def changed_velocities(deck: Deck, system: System, given: State, start: State, l
     ]  # fmt: skip
     fastest = [np.linalg.norm(np.concatenate([wanted, now]), axis=1).max(initial=0.0) for _, wanted, now, _ in motions]
     for (names, wanted, reached, unit), speed, least in zip(motions, fastest, _rounding(fastest, length), strict=True):
-        rows = [i for i, node in enumerate(system.nodes) if node.name in names]
-        change = np.linalg.norm((reached - wanted)[rows], axis=1)
-        if change.max(initial=0.0) > max(VIOLATED * speed, least):
-            i = rows[int(np.argmax(change))]
+        change, limit = np.linalg.norm(reached - wanted, axis=1), max(VIOLATED * speed, least)
+        movable = np.array([not node.fixed for node in system.nodes])
+        nowhere = everywhere and change[movable].min(initial=np.inf) > limit
+        change[~movable if nowhere else [node.name not in names for node in system.nodes]] = 0.0
+        if change.max(initial=0.0) > limit:
+            i = int(np.argmax(change))
             was, is_ = (_vector_text(vector, speed) for vector in (wanted[i], reached[i]))
             return [
                 "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
-                f"(momenta kept): node '{system.nodes[i].name}' from {was} to {is_} {unit}. Nodes that are not "
-                "named, including those attached to a body, have no velocity: name all nodes that move, with 'about' "
-                "for a rotation"
+                f"(momenta kept): node '{system.nodes[i].name}' from {was} to {is_} {unit}. "
+                + ("No node can move as 'nodes: all' demands" if nowhere else NOT_NAMED)
             ]
     return []
 

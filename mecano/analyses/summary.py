@@ -39,13 +39,15 @@ def summary(deck: "Deck", every: bool = False, announce: Callable[[str], object]
 
     Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
     """
-    return summary_of(prepare(deck), every, announce)
+    return summary_of(prepare(deck), every, announce)[0]
 
 
-def summary_of(prepared: Prepared, every: bool = False, announce: Callable[[str], object] = lambda text: None) -> str:
-    """Return the summary of a Prepared model as text, see ``summary``."""
+def summary_of(
+    prepared: Prepared, every: bool = False, announce: Callable[[str], object] = lambda text: None
+) -> tuple[str, list[str]]:
+    """Return the summary of a Prepared model as text, see ``summary``, and the warnings in it."""
     system, deck = prepared.system, prepared.deck
-    values = deck.values
+    values, warnings = deck.values, list[str]()
     lines = [
         f"{deck.file}: {values['title'] or 'no title'}",
         f"nodes            {len(values['nodes'])}",
@@ -55,11 +57,12 @@ def summary_of(prepared: Prepared, every: bool = False, announce: Callable[[str]
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         f"memory           about {memory_text(memory_of_run(prepared))} in a run",
-        *(_statics(prepared) if values["static"] else _run_size_lines(prepared, announce)),
+        *(_statics(prepared) if values["static"] else _run_size_lines(prepared, announce, warnings)),
         *(line for text in _tyres(values["tire_laws"]) for line in _labelled("tyre", text)),
         *(line for text in prepared.carried for line in _labelled("start", text)),
-        *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
+    warnings += warnings_of(prepared)
+    lines += [line for text in warnings for line in _labelled("warning", text)]
     lines += call_interruptibly(lambda: list(_mobility(prepared, every)))
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
@@ -67,7 +70,7 @@ def summary_of(prepared: Prepared, every: bool = False, announce: Callable[[str]
         lines += _redundant(group, every)
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
-    return "\n".join(lines)
+    return "\n".join(lines), warnings
 
 
 def _redundant(group, every):
@@ -184,8 +187,8 @@ def _tyres(tire_laws):
             yield f"{name}: {text_under_load(law['smiley_horne'])}"
 
 
-def _run_size_lines(prepared, announce):
-    """Yield the lines on steps, saved times and the initial state, with warnings about implausibly many."""
+def _run_size_lines(prepared, announce, warnings):
+    """Yield the lines on steps, saved times and the initial state; append the warnings about these."""
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)
     kind = f"{count} of {time['step']:g} s" if count is not None else f"adaptive, the first of {time['step']:g} s"
@@ -196,22 +199,18 @@ def _run_size_lines(prepared, announce):
         yield f"initial          the static equilibrium, found by {first['method']}"
         yield from _start(prepared)
     if values["initial"]["steady"]:
-        yield from _steady_start(prepared, announce)
+        with locating(prepared.deck):  # for a copy of the model
+            warnings += call_interruptibly(set_initial_state, copy(prepared), True, announce)
+        yield f"initial          {describe(prepared.deck)}, found"
     elif start := _consistent_start(prepared):
-        yield from _velocities(prepared, start)
+        states = prepared.deck, prepared.system, prepared.state, start, prepared.length
+        warnings += changed_velocities(*states)
+        if moved := set_in_motion(*states):
+            text = f"the constraints set nodes in motion that the deck leaves at rest: {moved}"
+            yield from _labelled("at start", text)
         if not first:
             _refuse_start(prepared, start)
-    for text in amount_warnings(prepared):
-        yield from _labelled("warning", text)
-
-
-def _steady_start(prepared, announce):
-    """Yield the lines on the steady motion at the start, which is found for a copy of the model."""
-    with locating(prepared.deck):
-        found = call_interruptibly(set_initial_state, copy(prepared), True, announce)
-    yield f"initial          {describe(prepared.deck)}, found"
-    for text in found:
-        yield from _labelled("warning", text)
+    warnings += amount_warnings(prepared)
 
 
 def _consistent_start(prepared):
@@ -237,15 +236,6 @@ def _refuse_start(prepared, start):
         contradictions = Contradictions(prepared.system, prepared.length, prepared.compliance)
         contradictions.refuse(start, prepared.deck.values["time"]["step"])
         refuse_undetermined(prepared.system, start)
-
-
-def _velocities(prepared, start):
-    """Yield the lines on the velocities of the deck that the constraints change in the State ``start``."""
-    states = prepared.deck, prepared.system, prepared.state, start, prepared.length
-    for text in changed_velocities(*states):
-        yield from _labelled("warning", text)
-    if moved := set_in_motion(*states):
-        yield from _labelled("at start", f"the constraints set nodes in motion that the deck leaves at rest: {moved}")
 
 
 def _labelled(label, text):

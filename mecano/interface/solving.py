@@ -92,11 +92,12 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
     >>> model.mass, model.mobility, model.redundant_constraints
     (1.0, 1, 0)
     """
-    from mecano.analyses.prepare import model_facts, prepare, warnings_of
+    from mecano.analyses.prepare import model_facts, prepare
     from mecano.analyses.summary import summary_of
 
     prepared = prepare(checked_deck(deck, set))
-    return Check(**model_facts(prepared), warnings=tuple(warnings_of(prepared)), text=summary_of(prepared))
+    text, warnings = summary_of(prepared)
+    return Check(**model_facts(prepared), warnings=tuple(warnings), text=text)
 
 
 @dataclass(frozen=True, kw_only=True)
