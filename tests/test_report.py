@@ -142,6 +142,14 @@ def test_the_model_is_counted(report):
     assert reported["elements"] == "1: 1 spring_damper" and reported["nodes"] == "2" and reported["loads"] == "none"
 
 
+def test_what_a_drive_sets_in_motion_is_reported_of_the_run(path):
+    run = open_runs([path])[0]
+    run.results.model.update(mass=1.5, set_in_motion="node 'pin' by 2 m/s")  # as a run writes them
+    found = report_of(run)
+    assert dict(rows(found, "Model"))["mass"] == "1.5 kg" and "set in motion" not in dict(rows(found, "Model"))
+    assert dict(rows(found, "Run"))["at start"].endswith("leaves at rest: node 'pin' by 2 m/s")
+
+
 def test_the_solver_history_is_reported_with_its_times(report):
     """As every_kind.write fills the columns: 1 + i mod 3 iterations in step i, i mod 2 rejections, steps of 0.05 s."""
     reported = {row[0]: row[1:] for row in rows(report, "Solution")}

@@ -132,7 +132,8 @@ def _model(run):
         reported = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
         rows.append((section, f"{sum(kinds.values())}: {reported}" if kinds else "none"))
     for name, value in run.results.model.items():
-        rows.append((name.replace("_", " "), f"{value:.6g} kg" if name == "mass" else f"{value:g}"))
+        if name != "set_in_motion":  # a fact of the run, see ``facts``
+            rows.append((name.replace("_", " "), f"{value:.6g} kg" if name == "mass" else f"{value:g}"))
     rows.append(("gravity", ", ".join(number(g) for g in run.deck.get("gravity") or (0.0,) * 3) + " m/s2"))
     yield Table(("", ""), rows, 2)
 
