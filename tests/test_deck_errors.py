@@ -188,6 +188,8 @@ STRUCTURE = [
      "law 'oleo': unknown term 'dampr' of a law; did you mean 'damper'?"),
     ("damper: {", "damping: {", 24, "damping",
      "law 'oleo': unknown term 'damping' of a law; write {damper: ...}"),
+    ("damper: {", "torsional_damper: {", 24, "torsional_damper",
+     "law 'oleo': unknown term 'torsional_damper' of a law; write {damper: ...}"),
     ("damper: {", "xyzzy: {", 24, "xyzzy",
      "law 'oleo': unknown term 'xyzzy' of a law; `mecano explain laws` lists the terms"),
     ("damper: {", "pulse: {", 24, "pulse",

@@ -21,7 +21,8 @@ FORCES = {"m": "N", "rad": "N m"}  # values of laws of extension and of angle, i
 MEANT = {  # terms by other names
     "stiffness": "spring", "damping": "damper", "viscous": "damper", "friction": "dry_friction",
     "coulomb": "dry_friction", "gap": "dead_band", "free_play": "dead_band", "backlash": "dead_band",
-    "force": "preload", "pulse": "bump", "spline": "table",
+    "force": "preload", "pulse": "bump", "spline": "table", "torsion_spring": "spring", "torsional_spring": "spring",
+    "rotational_spring": "spring", "torsional_damper": "damper", "rotational_damper": "damper",
 }  # fmt: skip
 CURVES = {"spring": "a force in proportion to it is {linear: ...}"}  # hints where a curve is required
 SQUARED = r"([A-Za-z%]+)(\d*)"  # a factor of a unit, and its power

@@ -184,7 +184,10 @@ earthquake, base excitation, base acceleration, accelerogram, ground motion, vib
 thermal strain, temperature, heating, thermal expansion, thermal load, thermal snap, thermal flutter, eclipse -> beam
     cable | a beam has 'thermal', a cable or bar a 'natural_length' that is a law of time
 bump stop, end stop, limit stop, limit, buffer -> stop hinge.stops | joints have 'stops', laws the term stop
-backlash, elasto backlash, clearance, free play, freeplay, gap, play -> dead_band
+backlash, elasto backlash, free play, freeplay, gap, play -> dead_band
+clearance, clearance joint, joint clearance, journal clearance, radial clearance, loose pin -> contact dead_band | a pin
+    that strikes its hole is a contact inside a cylinder (docs/shocks.md, `mecano example snap_pin`); play along a
+    coordinate is a dead_band
 free motion, free joint, freejoint, six dof joint, floating joint -> rigid_body | a body without joints is free
 fixed translation, fixed rotation, rigid transform, body shape -> rigid_body rigid_link | a node elsewhere on a body is
     in its list 'attached'
