@@ -16,8 +16,9 @@ def test_it_is_short():
     assert len(DECK.splitlines()) == 10
     blocks = re.findall("^```[a-z]*\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
     assert max(len(line) for block in blocks for line in block.splitlines()) <= 66  # fit beside the pictures
-    for picture in re.findall('<img src="(.*?)"', TEXT):
-        assert (ROOT / picture).stat().st_size < 1_000_000
+    for picture, percent in re.findall('<img src="(.*?)" align="right" width="(.*?)%"', TEXT):
+        assert (ROOT / picture).stat().st_size < 1_000_000 and int(percent) < 40  # text fits beside it, on phones, too
+    assert TEXT.count("<img") == TEXT.count('%" alt=') == 3
 
 
 def test_its_links_lead_to_files():
