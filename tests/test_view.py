@@ -272,11 +272,13 @@ def test_the_model_is_seen_with_the_axes_of_its_joints(model, tmp_path):
     page = tmp_path / "page.html"
     with serving(model) as server:
         page.write_text(get(server, f"/?token={server.token}")[1])
-    axes, hidden, names = asked(page, """
+    axes, hidden, names, share = asked(page, """
     stage.render();
-    return [solids.axes.visible, byId("play").hidden, motion.shapes.map(shape => shape.name)];
-    """)  # fmt: skip
+    const share = byId("view").getBoundingClientRect().height / innerHeight;
+    return [solids.axes.visible, byId("play").hidden, motion.shapes.map(shape => shape.name), share];
+    """, width=600)  # fmt: skip
     assert axes and hidden and "crankshaft" in names
+    assert share > 0.8  # no plots and no slider take room, also on a phone
 
 
 @pytest.mark.parametrize("written", [True, False])
