@@ -23,6 +23,7 @@ html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = "mecano"
 html_copy_source = False
+html_use_index = False
 html_show_sphinx = False
 html_show_copyright = False
 html_static_path = ["site/static"]
