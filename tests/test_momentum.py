@@ -11,6 +11,7 @@ import mecano
 from mecano.analyses.momentum import _momentum
 from mecano.analyses.prepare import prepare
 from mecano.cli import commands
+from mecano.errors import UsageError
 
 FALLING = {
     "mecano": 1, "gravity": [0.0, 0.0, -10.0],
@@ -41,6 +42,12 @@ def test_a_thrown_bar_has_the_momentum_of_a_rigid_one(tmp_path):
     assert found.angular == pytest.approx(
         about_center + np.cross(found.center_of_mass - [1.0, 0.0, 0.0], found.linear), abs=1e-12
     )
+
+
+@pytest.mark.parametrize("about", ["tip", (1.0, 0.0), [0.0, 0.0, np.nan], None])
+def test_what_is_no_point_is_refused(about):
+    with pytest.raises(UsageError, match="write an inertial point, such as"):
+        mecano.momentum(FALLING, "none.h5", about=about)
 
 
 def test_docking_keeps_momentum_and_the_command_says_so(tmp_path, monkeypatch):

@@ -60,14 +60,15 @@ def momentum(deck: Deck, results: str, about: Sequence[float] = (0.0, 0.0, 0.0))
     if the results do not belong to the deck or lack some of its unknowns, and UsageError for statics and if masses may
     differ from those of the run.
     """
-    x, y, z = point = np.array(about, float)
-    if not np.isfinite(point).all():
-        raise UsageError(f"about={list(about)}: an inertial point, such as 0,0,1.5 [m]")
+    point = np.array(about)
+    if point.shape != (3,) or point.dtype.kind not in "iuf" or not np.isfinite(point).all():
+        raise UsageError(f"about={about!r}: write an inertial point, such as (0, 0, 1.5) [m]")
     prepared = prepare(deck)
-    found = [(s.t, *_momentum(prepared.system, s, point)) for s in motions_in(prepared, results)]
+    found = [(s.t, *_momentum(prepared.system, s, point.astype(float))) for s in motions_in(prepared, results)]
     _refuse_other_masses(deck, results)
     time, mass, center, linear, angular = (np.array(values) for values in zip(*found, strict=True))
-    return Momentum(time, float(mass[0]), center, linear, angular, (float(x), float(y), float(z)))
+    x, y, z = map(float, point)
+    return Momentum(time, float(mass[0]), center, linear, angular, (x, y, z))
 
 
 def _refuse_other_masses(deck, path):
