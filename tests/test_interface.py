@@ -511,6 +511,10 @@ def study(tmp_path_factory):
 
 
 class TestSweep:
+    def test_a_study_is_a_file(self, folder):
+        with pytest.raises(TypeError, match="a study is the path of a file, not a dict; json.dump writes"):
+            mecano.sweep({"study": 1})
+
     def test_a_study_is_run_and_read(self, folder, capfd):
         (folder / "study.yaml").write_text(STUDY)
         found = mecano.sweep("study.yaml", jobs=2, quiet=True)

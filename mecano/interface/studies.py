@@ -64,6 +64,8 @@ def sweep(
     from mecano.study.read import read_study, try_deck
     from mecano.study.units import units_of
 
+    if not isinstance(study, str | os.PathLike):
+        raise TypeError(f"a study is the path of a file, not a {type(study).__name__}; json.dump writes a dict to one")
     require(jobs is None or jobs >= 1, "jobs", jobs, "1 or more")
     require(again in (None, "failed"), "again", again, "'failed'")
     refuse_both(resume or again is not None, force)
