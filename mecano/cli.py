@@ -33,6 +33,7 @@ COMMANDS = {
 }  # fmt: skip
 """The function of each command, of a module of mecano/commands."""
 MEANT = {".yaml": "run", ".yml": "run", ".h5": "post"}  # ending of a file in place of a command -> command
+OTHER_NAMES = {"report": "post --report", "animate": "post --animate", "simulate": "run", "help": "--help"}
 
 
 class _OnDemand(Mapping):
@@ -59,6 +60,8 @@ class _Commands(click.Group):
         """Return the command of the arguments. Raises click.UsageError."""
         if args[0] not in COMMANDS and (ending := os.path.splitext(args[0])[1]) in MEANT:
             ctx.fail(f"No such command '{args[0]}'. Did you mean 'mecano {MEANT[ending]} {args[0]}'?")
+        if meant := OTHER_NAMES.get(args[0]):
+            ctx.fail(f"No such command '{args[0]}'. Did you mean 'mecano {meant}'?")
         return super().resolve_command(ctx, args)
 
 

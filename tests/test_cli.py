@@ -229,6 +229,11 @@ class TestRun:
         output = CliRunner().invoke(commands, [file]).output
         assert f"No such command '{file}'. Did you mean 'mecano {command} {file}'?" in output
 
+    @pytest.mark.parametrize(("word", "meant"), [("report", "post --report"), ("help", "--help"), ("runn", "run")])
+    def test_other_names_of_commands_are_answered(self, word, meant):
+        output = CliRunner().invoke(commands, [word]).output
+        assert re.search(f"No such command '{word}'. Did you mean '(mecano )?{meant}'", output)
+
     def test_no_file_is_overwritten_without_force(self, call, folder):
         (folder / "deck.h5").write_text("precious")
         code, _, err = call("run", "deck.yaml")

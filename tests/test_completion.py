@@ -27,6 +27,7 @@ printf '%s\\n' "${{COMPREPLY[@]:-}}"
         (("mecano", "exam"), ["example"]),
         (("mecano", "example", "nose_gear_"), ["nose_gear_drop", "nose_gear_rigid"]),
         (("mecano", "new", "pend"), ["pendulum"]),
+        (("mecano", "explain", "prescribed_"), ["prescribed_angle", "prescribed_length", "prescribed_position"]),
         (("mecano", "run", "--max"), ["--max-walltime"]),
         (("mecano", "completion", ""), ["bash", "zsh", "fish"]),
         (("mecano", "run", "deck"), ["files"]),

@@ -46,8 +46,14 @@ def list_(group: str) -> None:
     show(catalogue(group))
 
 
+def _kinds(context, parameter, begun):
+    from mecano.elements import MODULES
+
+    return sorted(name for name in MODULES if name.startswith(begun))
+
+
 @click.command(short_help="Explain a kind, a term of a law or a section of a deck.")
-@click.argument("name", nargs=-1)
+@click.argument("name", nargs=-1, shell_complete=_kinds)
 @plugins
 def explain(name: tuple[str, ...]) -> None:
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.

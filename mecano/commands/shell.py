@@ -10,7 +10,7 @@ from mecano.commands import show
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @click.pass_context
 def completion(context: click.Context, shell: str) -> None:
-    """Print the script by which a shell completes commands, options, names of examples and files.
+    """Print the script by which a shell completes commands, options, files, and names of examples and kinds.
 
     \b
     bash  echo 'eval "$(mecano completion bash)"' >> ~/.bashrc
