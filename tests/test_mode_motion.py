@@ -58,6 +58,13 @@ def motions(tmp_path):
     return tmp_path / "motions.h5"
 
 
+def test_modes_have_no_plots_over_time(motions):
+    """Their file has no outputs, which the standard plots of a deck expect: hinges with latch and law, for example."""
+    [run] = open_runs([motions])
+    run.deck["joints"] = {"hinge": {"type": "hinge", "turning_law": "drive", "latch": {"angle": 1.5}}}
+    assert page_data(run)["plots"] == []
+
+
 def test_each_mode_moves_by_the_real_part_of_its_shape(motions):
     with open_results(motions) as results:
         time, tip = results.time, results["tip.position"].values

@@ -164,9 +164,11 @@ def _shape(scene, i):
 
 
 def _panels(run, plots):
-    """Return panels of curves over time as plain data."""
+    """Return the requested panels of curves over time, or the first of the overview; none of modes."""
     if plots:
         sheets = requested_sheets(plots, [run])
+    elif run.results.axis.path == modes_file.MOTIONS.path:
+        sheets = []
     else:
         sheets = [overview(standard)] if (standard := default_sheets([run])) else []
     found = [panel for sheet in sheets for panel in sheet.panels]

@@ -9,7 +9,7 @@ from mecano.errors import ResultsError
 from mecano.post.deformation import quaternions
 from mecano.post.mode_shapes import NO_SHAPES, amplitude_of, named_mode
 from mecano.results.layout import Layout, Series
-from mecano.results.modes_file import ModesFile
+from mecano.results.modes_file import MOTIONS, ModesFile
 from mecano.results.provenance import Source
 from mecano.results.recorded import Event
 from mecano.results.writer import Writer
@@ -17,7 +17,6 @@ from mecano.results.writer import Writer
 CYCLES = 2  # of each mode
 MOST, FEWEST = 48, 16  # saved instants of a mode
 MOST_INSTANTS = 599  # of all modes, beside the state
-AXIS = Series("mode", "", "number of the mode, and the share of its cycles")
 
 
 def write_motions(file: ModesFile, path: str | os.PathLike[str]) -> None:
@@ -28,7 +27,7 @@ def write_motions(file: ModesFile, path: str | os.PathLike[str]) -> None:
     """
     if not len(file.values):
         raise ResultsError(f"{file.path}: {NO_SHAPES}")
-    layout = Layout([one for name in file.nodes for one in _series(name)], axis=AXIS)
+    layout = Layout([one for name in file.nodes for one in _series(name)], axis=MOTIONS)
     about = f"the motions of modes about: {file.about}"
     source = Source("", file.resolved, title=file.title or file.path.stem)
     with Writer.create(path, layout, source, force=True) as writer:

@@ -13,12 +13,14 @@ import numpy as np
 from mecano.element_interface import Display
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
+from mecano.results.layout import Series
 from mecano.results.opening import open_format
 from mecano.results.provenance import Source, read_displays
 from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source
 
 FORMAT, FORMAT_VERSION = "mecano modes", 1
+MOTIONS = Series("mode", "", "number of the mode, and the share of its cycles")  # axis of files of motions
 NUMBERS = (
     ("real_part", "1/s", "real part of the eigenvalue: growth"),
     ("imaginary_part", "rad/s", "imaginary part of the eigenvalue; of a conjugate pair the positive one"),
