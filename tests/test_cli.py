@@ -534,6 +534,8 @@ class TestResults:
     def test_files_that_are_not_results(self, call, folder, command):
         code, _, err = call(command, "other.h5")
         assert code == 5 and "cannot read other.h5: No such file" in err
+        (folder / "other.yaml").write_text("mecano: 1")
+        assert "; `mecano run other.yaml -o other.h5` writes it" in call(command, "other.h5")[2]
         code, _, err = call(command, "deck.yaml")
         assert code == 5 and "deck.yaml is not a results file" in err
 

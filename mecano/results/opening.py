@@ -62,7 +62,10 @@ def open_source(path: str | os.PathLike[str]) -> Checked:
             raise ResultsError(f"cannot read {path}: it is {other}{hint}")
         source = Checked(path)
     except (OSError, ValueError) as error:
-        raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+        deck = f"{os.path.splitext(path)[0]}.yaml"
+        missing = isinstance(error, FileNotFoundError) and os.path.exists(deck)
+        hint = f"; `mecano run {deck} -o {path}` writes it" if missing else ""
+        raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}{hint}") from error
     try:
         if source.size < len(SIGNATURE) or source.read(len(SIGNATURE)) != SIGNATURE:
             hint = f"; if it is a deck: mecano run {path}" if str(path).endswith((".yaml", ".yml")) else ""
