@@ -150,6 +150,7 @@ def test_a_load_has_no_release():
         ("mecano: 1", "mecano: 1\nbodies: {}", "unknown key 'bodies'", "here it is called 'elements'"),
         ("mecano: 1", "mecano: 1\nuse: {}", "unknown key 'use'", "here it is called 'place'"),
         ("ground, a], axis", "ground, a], normal", "unknown key 'normal'", "here it is called 'axis'"),
+        ("time: {", "time: {solver: radau, ", "unknown key 'time.solver'", "here it is called 'method'"),
         (
             "axis: [0, 1, 0]",
             "axis: [0, 1, 0], turning_law: {spring: {stiffness: 3, preload: 2}}",

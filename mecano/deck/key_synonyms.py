@@ -78,7 +78,8 @@ KEYS = {  # in small letters, without "_": names in mecano, best first
     "vary": "grid",
     "cases": "list",
     "controllers, filters": "signals",
-    "simulation, solver, integrator": "time",
+    "simulation": "time",
+    "solver, integrator, scheme": "time method",
 }
 KEYS_MEANT = {word: names for words, names in KEYS.items() for word in words.split(", ")}
 

@@ -254,7 +254,7 @@ cleat, short obstacle, kerb, curb, pothole, speed bump, arresting cable, cable c
 orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite -> gravity_gradient
 tether -> gravity_gradient cable
 load, nodal load, point load, concentrated load, external force, world force, weight -> force moment gravity
-torque -> moment couple
+torque -> moment couple joint_moment
 sforce, vforce, gforce, action reaction, force between two bodies, magnetic bearing -> internal_force line_force couple
     | an internal_force or a couple for each axis of the first body
 thrust, thruster, following force -> follower_force
