@@ -26,7 +26,7 @@ from mecano.analyses.preview import preview
 from mecano.commands.viewing import live
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError
-from mecano.post.serve import LOOPBACK, Server, Source, serve
+from mecano.post.serve import LOOPBACK, SHARE, Server, Source, serve
 from mecano.process.interrupt import Interruption, Stopped
 from mecano.results.reader import open_results
 
@@ -161,6 +161,21 @@ def test_data_come_again_when_the_file_has_changed(model, tmp_path):
         server.source._next = 0.0  # the pause in which little time is spent on data
         status, text = get(server, f"/data?{token}&key={data['key']}")
         assert status == 200 and json.loads(text)["key"] != data["key"]
+
+
+def test_only_the_own_work_delays_the_next_data(model, monkeypatch):
+    """On a busy machine, reading takes longer, but no more of a processor."""
+    source, read = Source(model), Source._read
+
+    def interrupted(source):
+        time.sleep(1.0)
+        return read(source)
+
+    source.data()  # imports
+    source._data, source._next = None, 0.0
+    monkeypatch.setattr(Source, "_read", interrupted)
+    source.data()
+    assert source._next < time.monotonic() + 0.5 / SHARE
 
 
 def test_a_deck_is_shown_until_ctrl_c(tmp_path):

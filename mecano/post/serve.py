@@ -38,11 +38,11 @@ class Source:
     def data(self) -> dict[str, Any]:
         """Return the current data of the page, with a key that changes with them. Raises ResultsError."""
         with self._lock:
-            begun, data = time.monotonic(), self._data
-            if data is None or (begun >= self._next and self._changed(data)):
+            data = self._data
+            if data is None or (time.monotonic() >= self._next and self._changed(data)):
+                begun = time.thread_time()  # a busy machine does not count
                 data = self._data = self._read()
-                now = time.monotonic()
-                self._next = now + (now - begun) / SHARE
+                self._next = time.monotonic() + (time.thread_time() - begun) / SHARE
             return data
 
     def _changed(self, data):
