@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
+from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.prepare import mass_of, prepare, warnings_of
-from mecano.errors import DeckError
+from mecano.errors import ConvergenceError, DeckError
 
 N = 1.1e-3
 
@@ -84,6 +85,64 @@ def test_a_vertical_tether_is_in_equilibrium():
     np.testing.assert_allclose(m["joints/tether/tension"][1:], 3.0 * 10.0 * N**2 * 200.0, rtol=1e-4)
     up = m["nodes/up/position"]
     np.testing.assert_allclose(up[:, 0], 200.0 * np.cos(N * m.time), atol=2e-3)
+
+
+FACING = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0]}}}}
+    elements: {{body: {{type: rigid_body, node: a, mass: 200, inertia: [20, 80, 90]}}}}
+    loads:
+      orbit: {{type: gravity_gradient, node: a, mass: 200, inertia: [20, 80, 90], rate: {N}, normal: [0, 0, 1],
+        radial: [1, 0, 0]}}
+    initial: {{steady: {{angular_velocity: [0, 0, {N}], about: [0, 0, 0]}}}}
+    time: {{end: 1, step: 0.1}}
+"""
+
+
+def test_modes_of_a_satellite_that_faces_the_earth(verify):
+    """Pitch: s^2 = -3 (B - A)/C n^2; roll and yaw: s^4 + (1 + 3 k1 + k1 k3) s^2 + 4 k1 k3 = 0 (Hughes 1986, 9.3).
+
+    The orbit, of Clohessy and Wiltshire: s = i n in its plane and across it, and two drifts.
+    """
+    yaw, roll, pitch = 20.0, 80.0, 90.0
+    k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
+    squares = [3.0 * (roll - yaw) / pitch, 1.0, 1.0, *-np.roots([1.0, 1.0 + 3.0 * k1 + k1 * k3, 4.0 * k1 * k3])]
+    found = eigenvalues(deck(FACING), frame="a") / N
+    known = np.sort(np.sqrt(squares))
+    np.testing.assert_allclose(found.real, 0.0, atol=1e-6)
+    what = "satellite that faces the Earth: librations and orbits, over the mean motion"
+    verify("Gravity", what, found.imag[found.imag > 0.0], known, "Hughes 1986; Clohessy and Wiltshire", absolute=1e-6)
+
+
+def test_a_satellite_that_turns_faster_than_its_orbit_is_not_steady():
+    faster = FACING.replace(f"[0, 0, {N}], about", f"[0, 0, {2 * N}], about").replace("[1, 0, 0]", "[1, 0.1, 0]")
+    with pytest.raises(ConvergenceError, match="the forces change over time"):
+        eigenvalues(deck(faster))
+
+
+def test_a_heavy_tether_hangs_in_its_orbit():
+    """The tension of a line of masses m at x from the point on the orbit: 3 n^2 times the sum of m x beyond it."""
+    n, x = 20, np.linspace(-100.0, 100.0, 21)
+    places = ", ".join(f"p{i}: {{position: [{x[i]}, 0, 0]}}" for i in range(n + 1))
+    m = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{{places}}}
+        elements:
+          m$i: {{repeat: {{i: 0..{n}}}, type: point_mass, node: p$i, mass: 0.5}}
+          c$i: {{repeat: {{i: 1..{n}}}, type: cable, nodes: [p$(i - 1), p$i], axial_stiffness: 1.0e4}}
+        loads:
+          g$i: {{repeat: {{i: 0..{n}}}, type: gravity_gradient, node: p$i, mass: 0.5, rate: 0.01, normal: [0, 0, 1],
+            radial: [1, 0, 0]}}
+        initial: {{steady: {{angular_velocity: [0, 0, 0.01], about: [0, 0, 0]}}}}
+        time: {{end: 10, step: 0.1}}
+        """)
+    )
+    tension = np.array([m[f"elements/c{i}/tension"][[0, -1]] for i in (10, 14, 20)]).T
+    known = [3e-4 * 0.5 * x[i:].sum() for i in (11, 14, 20)]
+    np.testing.assert_allclose(tension, [known, known], rtol=2e-5)
 
 
 BODY = """

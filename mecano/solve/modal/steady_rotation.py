@@ -13,7 +13,8 @@ Newton's method (steady.py)
    \delta v = w \times \delta x, \quad \delta a = w \times (w \times \delta x), \quad
    \delta\Omega = R^T (w \times R\, \delta\Theta), \quad \delta\dot\Omega = 0.
 
-The motion is steady if the forces are in balance, with other reactions, after the nodes have turned on by one radian.
+The motion is steady if the forces are in balance, with other reactions, after the nodes have turned on by one radian,
+at the same time or after the time that this takes, in which the radial direction of an orbit turns, too.
 """
 
 from collections.abc import Collection, Sequence
@@ -122,15 +123,18 @@ class Rotation:
 
     def change_of_forces(self, steady: "Steady", s: "State", at: "Tangent") -> tuple[np.ndarray, np.ndarray]:
         """Return the out-of-balance forces (n_q,) after a turn by 1 rad, moments over the length scale; the largest."""
-        return self._change(steady, s) / steady.root, steady.allowed(at.size, at.rounding, STEADY)
+        speed = float(np.linalg.norm(self.w)) or 1.0
+        changes = [self._change(steady, s, s.t + duration, speed) for duration in (0.0, 1.0 / speed)]
+        return min(changes, key=np.max) / steady.root, steady.allowed(at.size, at.rounding, STEADY)
 
-    def _change(self, steady, s):
-        """Return the out-of-balance forces (n_q,) after the nodes have turned by one radian; reactions balance theirs.
+    def _change(self, steady, s, t, speed):
+        """Return the out-of-balance forces (n_q,) at the time ``t`` [s] after the nodes have turned by one radian.
 
-        Signals may vary and are zero.
+        Reactions balance theirs; signals may vary and are zero. ``speed`` [rad/s]: that of the rotation.
         """
         later, n, n_q = s.copy(), steady.system.n, self.n_q
-        Q = np.array(exp(Vec3(*(self.w / (np.linalg.norm(self.w) or 1.0)))))
+        later.t = t
+        Q = np.array(exp(Vec3(*(self.w / speed))))
         later.z[self.at] = self.about + (s.z[self.at] - self.about) @ Q.T
         later.v[self.at], later.a[self.at] = s.v[self.at] @ Q.T, s.a[self.at] @ Q.T
         for r in self.rotations:
