@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
-from scipy.optimize import minimize
+from scipy.integrate import solve_bvp, solve_ivp
+from scipy.optimize import fsolve, minimize
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses import initial_state
@@ -38,6 +38,47 @@ def place(base, name):
     system = base.prepared.system
     x = system.numbering.x[[node.name for node in system.nodes].index(name)]
     return base.state.z[x : x + 3]
+
+
+def test_a_stiff_skipping_rope_is_relaxed(verify):
+    """An inextensible rope of the length 1.5 m with its ends on the axis: T x' = H, (T y')' = -m w^2 y along it.
+
+    It starts unstretched, so no tension holds it, and EA is a million times its tension.
+    """
+    n, length, distance, w, mass = 40, 1.5, 1.0, 20.0, 0.1
+
+    def shape(p):
+        """Return (x, y, V) in the middle and at the end from the tension (H, V) at the start."""
+        along = lambda _, y: [p[0] / np.hypot(p[0], y[2]), y[2] / np.hypot(p[0], y[2]), -mass * w * w * y[1]]  # noqa: E731
+        return solve_ivp(along, (0.0, length), [0.0, 0.0, p[1]], "DOP853", [length / 2, length], rtol=1e-10).y.T
+
+    def places(height):
+        """Return points (n + 1, 2) at equal distances along half a wave of a sine."""
+        x = np.linspace(0.0, distance, 2001)
+        y = height * np.sin(np.pi * x / distance)
+        arc = np.append(0.0, np.cumsum(np.hypot(np.diff(x), np.diff(y))))
+        return np.array([np.interp(np.linspace(0.0, arc[-1], n + 1), arc, z) for z in (x, y)]).T
+
+    tension = fsolve(lambda p: shape(p)[1, :2] - [distance, 0.0], [5.0, 10.0])
+    nodes = ", ".join(f"n{i}: {{position: [{x}, {y}, 0]}}" for i, (x, y) in enumerate(places(0.51)))
+    base = operating_point(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{{nodes}}}
+        elements:
+          c$i: {{repeat: {{i: 1..{n}}}, type: cable, nodes: [n$(i - 1), n$i], axial_stiffness: 1.0e7,
+            natural_length: {length / n}, mass_per_length: {mass}}}
+        joints:
+          a: {{type: spherical, nodes: [ground, n0]}}
+          b: {{type: spherical, nodes: [ground, n{n}]}}
+        initial: {{steady: {{angular_velocity: [{w}, 0, 0], about: [0, 0, 0], at_rest: [n0, n{n}]}}}}
+        time: {{end: 1, step: 1 ms}}
+        """)
+    )
+    found = np.hypot(*place(base, f"n{n // 2}")[1:])
+    known = shape(tension)[0, 1]
+    verify(S, "stiff skipping rope of 40 cables: radius of its middle [m]", found, known, "SciPy", relative=1e-3)
 
 
 def test_a_turning_rod_is_stretched(verify):

@@ -47,7 +47,7 @@ ITERATIONS, CREEPS = 60, 300  # largest numbers of Newton iterations and of rela
 RANK = 1e-12  # of the largest singular value: smaller ones are zero
 FARTHEST = 0.2  # largest change in one iteration, in length scales or rad
 FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of length scale or speed; length scales or rad
-ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
+ROUGHLY = 1e-8  # of the force scale: residual at which relaxation ends and Newton's method continues
 FEW_ITERATIONS = 12  # from a nearby state; if more are needed, continuation takes a shorter step
 HALVINGS = 16  # of steps, after which the state is relaxed before Newton's method has all its iterations
 LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
@@ -214,16 +214,29 @@ class Steady:
             least, since = (at.force, i) if at.force < LESS * least else (least, since)
             if at.excess <= ROUGHLY / FORCE or i - since > HOPELESS:
                 break
-            step, change = self._step(at, N, drag)
-            if not np.isfinite(change):
-                break
-            trial = self.motion.impose(self, self._moved(s, step, N, 1.0)) if change <= FARTHEST else None
-            if trial is None or not trial[2].force <= MOST_GROWTH * at.force:
+            trial = self._crept(s, N, at, drag)
+            if trial is None:
                 drag *= HARDER
                 continue
             drag *= self.motion.fading * min(max(trial[2].force / max(at.force, TINY), FADES[0]), FADES[1])
             s, N, at = trial
         return s
+
+    def _crept(self, s, N, at, drag):
+        """Return (state, N, Tangent) after a step of relaxation; None if a node moves too far or the force grows.
+
+        The force of stiff ropes grows in the first iteration, which moves them along straight lines.
+        """
+        most, resistance, path = MOST_GROWTH * at.force, np.where(self.system.signals, 0.0, drag * self.root**2), 0.0
+        for _ in range(FEW_ITERATIONS):
+            step, change = self._step(replace(at, f=at.f + resistance * path), N, drag)
+            if not change <= FARTHEST:
+                return None
+            s, N, at = self.motion.impose(self, self._moved(s, step, N, 1.0))
+            if at.force <= most:
+                return s, N, at
+            path = path + step[0]
+        return None
 
     def tangent(self, s: "State") -> Tangent:
         """Return the Tangent of a state."""
