@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
-from equilibria import Equilibrium
+from equilibria import Equilibrium, Path
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 from time_runs import RecordedRun, deck, input_deck
@@ -226,20 +226,61 @@ def test_mass_runs_over_a_bridge():
     assert expected.max() > 1.05 * under_a_force(SPAN / 2.0, times).max()
 
 
-@pytest.mark.parametrize("place", [2.5, 7.3, 16.1])
-def test_slider_at_rest_bends_its_beam(place):
-    """F a^2 b^2/(3 EI L) + F a b/(k G A L), less what an element does not bend by itself.
+def at_rest(place):
+    """Return the deflection [m] under 100 N: F a^2 b^2/(3 EI L) + F a b/(k G A L), less the bending within an element.
 
     That is F c^3 d^3/(3 EI h^3) for a force at c and d = h - c from its ends, as in a beam held at both ends.
     """
+    c, h, shearing = place % (SPAN / 8.0), SPAN / 8.0, 5.0 / 6.0 * 2.1e11 / 2.6 * 0.5 * 0.2
+    bent = (place * (SPAN - place)) ** 2 / (3.0 * STIFFNESS * SPAN) - (c * (h - c) / h) ** 3 / (3.0 * STIFFNESS)
+    return 100.0 * (bent + place * (SPAN - place) / (shearing * SPAN))
+
+
+@pytest.mark.parametrize("place", [2.5, 7.3, 16.1])
+def test_slider_at_rest_bends_its_beam(place):
     text = input_deck("moving_load").text.replace("{linear: {slope: 20.0}}", "0").replace("value: 10000", "value: 100")
     text = text.replace("load: {position: [0, 0, 0]}", f"load: {{position: [{place}, 0, 0]}}")
     still = Equilibrium(text.replace("time: {end: 0.98, step: 2.0e-3}\noutput: {every: 0.01}", "static: {}"))
-    c, h, shearing = place % (SPAN / 8.0), SPAN / 8.0, 5.0 / 6.0 * 2.1e11 / 2.6 * 0.5 * 0.2
-    bent = (place * (SPAN - place)) ** 2 / (3.0 * STIFFNESS * SPAN) - (c * (h - c) / h) ** 3 / (3.0 * STIFFNESS)
-    expected = 100.0 * (bent + place * (SPAN - place) / (shearing * SPAN))
-    assert -still.position("load")[2] == pytest.approx(expected, rel=1.5e-4)  # of shear, 5e-4, it knows that at nodes
+    assert -still.position("load")[2] == pytest.approx(
+        at_rest(place), rel=1.5e-4
+    )  # of shear, 5e-4, it knows that at nodes
     np.testing.assert_allclose(still.output("joints/rail/force"), [0.0, 0.0, 100.0], rtol=0, atol=1e-2)
+
+
+def test_a_slider_at_rest_is_moved_to_other_elements():
+    text = input_deck("moving_load").text.replace("value: 10000", "value: 100")
+    static = "static: {over: time, end: 0.95, steps: 5}"  # past no node, one or two of them in a step
+    path = Path(text.replace("time: {end: 0.98, step: 2.0e-3}\noutput: {every: 0.01}", static))
+    along, _, down = -path.positions("load").T * [[-1.0], [1.0], [1.0]]
+    np.testing.assert_allclose(along, np.linspace(0.0, 19.0, 6), atol=1e-9)
+    np.testing.assert_allclose(down, at_rest(along), rtol=0, atol=1e-4 * 2.3e-4)  # of shear, it knows that at nodes
+
+
+def test_a_slider_falls_to_the_middle_of_a_tightrope(verify):
+    """F L/(4 H) (1 - tanh(u)/u), u = (L/4) sqrt(H/EI), under a small force in the middle of a clamped line."""
+    span, H, EI, F = 10.0, 3000.0, 300.0, 10.0
+    rope = Equilibrium(f"""
+        mecano: 1
+        gravity: none
+        sections:
+          s: {{type: stiffness, EA: 1.0e6, GA2: 1.0e9, GA3: 1.0e9, GJ: 1, EI2: {EI}, EI3: {EI}, mass_per_length: 0,
+              rotary_inertia: [0, 0, 0]}}
+        nodes:
+          a: {{position: [0, 0, 0], fixed: true}}
+          b: {{position: [{span}, 0, 0], fixed: true}}
+          walker: {{position: [4.2, 0, 0]}}
+        elements: {{rope: {{type: beam, nodes: [a, b], section: s, mesh: 20, up: [0, 0, 1],
+          thermal: {{strain: -3.0e-3}}}}}}
+        joints: {{feet: {{type: slider_on_beam, node: walker, line: rope}}}}
+        loads: {{weight: {{type: force, node: walker, direction: [0, 0, -1], value: {F}}}}}
+        static: {{method: relaxation}}
+    """)
+    u = span / 4.0 * np.sqrt(H / EI)
+    place, _, height = rope.position("walker")
+    assert place == pytest.approx(span / 2.0, abs=0.02)  # in the equilibrium of the elements; the curvature jumps there
+    known = -F * span / (4.0 * H) * (1.0 - np.tanh(u) / u)
+    what = "walker on a tightrope of 20 beams, who starts 0.8 m beside its middle: height [m]"
+    verify("Beams at rest", what, height, known, "closed form", relative=2e-3)
 
 
 RAMP = """

@@ -2,7 +2,8 @@
 
 A rigid stop, latch, contact or flank holds the place that its memory recorded at the end of the previous step
 (docs/shocks.md). Time steps end at events, but a step of statics passes them. The memory is therefore evaluated on the
-straight line from the beginning of the step to the equilibrium, where the event value vanishes.
+straight line from the beginning of the step to the equilibrium, where the event value vanishes. An event within a
+phase, such as that of a slider which passes to another element of its beam, only records where the equilibrium is.
 """
 
 from dataclasses import replace
@@ -29,13 +30,21 @@ def apply_events(statics: "Statics", s: "State", s0: "State", hit: np.ndarray) -
     for i in np.flatnonzero(hit):
         one = np.zeros_like(hit)
         one[i] = True
-        phases = after.phases
+        phases, within = after.phases, statics.monitor.within[i]
         after, found = statics.monitor.apply(after, one)
         records += found
-        held = _memory_of(statics.system, after.phases != phases)
-        if held.any() and (place := _place(statics, s, s0, i)) is not None:
+        held = _memory_of(statics.system, _having(statics.system, one) if within else after.phases != phases)
+        if held.any() and (place := s if within else _place(statics, s, s0, i)) is not None:
             after = replace(after, memory=np.where(held, statics.system.commit(place), after.memory))
     return after, records
+
+
+def _having(system, events):
+    """Return (n_phases,) bool: elements that have one of the ``events`` (n_events,) bool."""
+    found = np.zeros(sum(len(batch.names) for batch in system.batches), bool)
+    for batch in system.batches:
+        found[batch.phases] = batch.events(events).any(axis=1)
+    return found
 
 
 def _memory_of(system, elements):
