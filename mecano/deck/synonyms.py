@@ -44,7 +44,8 @@ gear mesh, tooth stiffness, mesh stiffness, gear loss, lossy gear -> gear_pair r
 lead screw, ball screw, nut, helical, helical joint -> screw
 worm, worm gear, self locking -> gear_pair screw | 'friction' with a 'backdriving_efficiency' of 0 or less locks
 revolute, revolute joint, pin, pin joint, pivot, axle -> hinge
-bearing, journal -> hinge bushing | an elastic one is a hinge with 'compliance', or a bushing
+bearing, journal -> hinge bushing | an elastic one is a hinge with 'compliance', or a bushing; an oil film is a bushing
+    and two loads (docs/modes.md)
 ball, ball joint, ball and socket, globe joint -> spherical
 slider, slide, translational, translational joint, sliding joint, sleeve -> prismatic cylindrical slider_on_beam
 rail, guide, track, guide way, curve joint, slot -> prismatic point_on_curve slider_on_beam

@@ -188,7 +188,10 @@ def check(d, nodes):
     ]
     S = matrix(d["stiffness"])
     if not np.allclose(S, S.T, rtol=1e-9, atol=0.0):
-        texts.append("'stiffness' must be symmetric: it has a potential")
+        texts.append(
+            "'stiffness' must be symmetric: it has a potential; the skew part of that of an oil film is two loads with "
+            "formulas of the position of the node (docs/modes.md)"
+        )
     for name in ("stiffness", "damping"):
         found = matrix(d[name])
         values = np.linalg.eigvalsh(0.5 * (found + found.T))

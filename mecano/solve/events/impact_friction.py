@@ -101,7 +101,8 @@ def solve_with_friction(
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
     blocks = _blocks(W_tt)
     fastest = max(-b.min(initial=0.0), np.abs(u).max(initial=0.0))
-    most, sizes = _largest_impulse(W_tt, fastest), list[float]()
+    most = _largest_impulse(W_tt, fastest)
+    sizes: list[float] = []
 
     def sweep(along):
         pushes = normal(b + W_nt @ along)
