@@ -47,7 +47,8 @@ def summary_of(
 ) -> tuple[str, list[str]]:
     """Return the summary of a Prepared model as text, see ``summary``, and the warnings in it."""
     system, deck = prepared.system, prepared.deck
-    values, warnings = deck.values, list[str]()
+    values = deck.values
+    warnings: list[str] = []
     lines = [
         f"{deck.file}: {values['title'] or 'no title'}",
         f"nodes            {len(values['nodes'])}",
