@@ -39,7 +39,7 @@ LIMITS = """
   stiffness. The eigenvalues of the first 12 modes at rest and at two speeds, extrapolated from two meshes, agree
   within 5.5e-5; the median of the largest differences is 1.3e-6 (`ross_side.py 0 39`, commit 7c6320fb, 2026-12-01).
 * 40 random nets of hanging cables with masses, with MoorPy 1.3. Extrapolated from two meshes, positions agree within
-  5.0e-8 of the radius of the net and tensions within 3.1e-4 of the largest one (`moorpy_side.py 0 39`, commit 9854cc8c,
+  5.0e-8 of the radius of the net and tensions within 3.1e-4 of the largest one (`moorpy_side.py 0 39`, commit 3c0c994a,
   2026-12-01).
 * 200 random bicycles, with BicycleParameters 1.5: the four eigenvalues at a speed between 0.5 and 9 m/s agree within
   1.7e-11 (`bicycle_side.py 0 199`, commit 7c6320fb, 2026-12-01).
