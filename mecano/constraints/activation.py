@@ -37,7 +37,7 @@ def activate_field(word, *options):
 
     ``word`` is its name in texts: "spring", "cable".
     """
-    doc = f"activation of the {word}, which exerts no force before: {{time: ...}} or {{when: ...}}"
+    doc = f"when the {word} begins to act, and is given its elastic energy: {{time: ...}} or {{when: ...}}"
     return Field("activate", mapping(TIME, WHEN, *options), "-", doc, None)
 
 

@@ -17,10 +17,9 @@ since the start, where it has the tension :math:`T_0`. With the stiffness k and 
            V = \tfrac12 k \Delta^2
 
 while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive; the viscous tension is at
-most as large as the elastic one. Energy that remains when
-it goes slack is dissipated until :math:`\Delta = 0`. L and the angles are exact for parallel axes and pulleys in one
-plane; small inclinations are allowed. The span of a belt that is activated stress-free has the tension :math:`T_0` at
-that instant; before, and after a release, no tangent need exist.
+most as large as the elastic one. Energy that remains when it goes slack is dissipated until :math:`\Delta = 0`. L and
+the angles are exact for parallel axes and pulleys in one plane; small inclinations are allowed. The span of a belt that
+is activated stress-free has the tension :math:`T_0` at that instant; before, or after a release, no tangent need exist.
 """
 
 import math

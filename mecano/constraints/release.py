@@ -22,7 +22,7 @@ RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {
 
 def elastic_release(word):
     """Return the field ``release`` of an elastic element; ``word``: "spring", "cable", its name in texts."""
-    doc = f"release of the {word}, which carries no force from then on: {{time: ...}} or {{when: ...}}"
+    doc = f"when the {word} ceases to act, for good, and loses its elastic energy: {{time: ...}} or {{when: ...}}"
     return Field("release", TRIGGER, "-", doc, None)
 
 

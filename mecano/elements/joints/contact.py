@@ -27,8 +27,8 @@ by Coulomb's law.
 Model a capsule or a box on a plane by a ball at each end or corner, on nodes attached to the body. Node a needs an
 orientation (a body, a beam or the ground); with friction, a rod or an ellipsoid, node b needs one, too.
 
-With ``activate`` a contact exerts no force before that instant, with ``release`` none after it. A rigid contact whose
-bodies overlap when it is activated begins to act when they no longer overlap, whether or not the condition still holds.
+A rigid contact whose bodies overlap when it is activated begins to act when they no longer overlap, whether or not the
+condition still holds.
 """
 
 import math

@@ -20,11 +20,9 @@ span: a loaded drive creeps. The driven pulley turns at the fraction (EA + T_sla
 radii imply, with the tensions of the slack and the tight span; the rest is dissipated. The stretch of a span includes
 its ``creep``.
 
-With ``activate`` the belt carries no force before that instant, and the surroundings give its elastic energy at that
-instant. The stretch of its spans counts from the start, and includes all turns of the pulleys since; with
+Also with ``activate`` the stretch of the spans counts from the start, and includes all turns of the pulleys since; with
 ``stress_free`` the belt then has its ``pretension``, on pulleys in any position, as in a drive that is engaged. A
-``release`` cuts the whole belt: from then on it carries no force, and its elastic energy is lost. Neither changes
-velocities at once.
+``release`` cuts the whole belt. Neither changes velocities at once.
 """
 
 import numpy as np

@@ -17,8 +17,7 @@ rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector, where the
 ``laws`` add laws for single axes, with free play and stops: along an axis as a function of d, about an axis as a
 function of the sine of the tilt or of the twist. The set points :math:`e_0` (``natural``) of the matrices and laws are
 laws of time or formulas of signals; the surroundings give their power :math:`-(n, m) \cdot \dot e_0`. A bushing without
-``laws`` may have an ``activate``, before which it exerts no force (with ``stress_free`` it begins at e = 0), and a
-``release``, after which it exerts no force and its elastic energy is lost.
+``laws`` may have an ``activate`` (with ``stress_free`` it begins at e = 0) and a ``release``.
 """
 
 from dataclasses import replace

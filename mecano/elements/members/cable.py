@@ -13,13 +13,11 @@ never pushes, even with damping. The viscous part of its tension is at most as l
    \nu = \max(-\varepsilon, \min(\tau \dot\varepsilon, \varepsilon)),
 
 so that the tension rises from zero, and does not jump, where the cable becomes taut at a speed (as in contacts of Hunt
-and Crossley 1975). The changes from slack to taut and back are events. If elastic energy remains when it
-goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
-length, at which the event ``is relaxed`` occurs. A ``release`` cuts the cable: from then on it carries no force, its
-elastic energy is lost at that instant, and its mass remains; ``release: {when: rope.tension > 5000}`` breaks it. With
-``activate`` the cable carries no force before that instant, and the surroundings give its elastic energy at that
-instant; with ``stress_free`` its natural length is shifted so that it then has only its ``pretension``, as a cable that
-is hooked on.
+and Crossley 1975). The changes from slack to taut and back are events. If elastic energy remains when it goes slack
+with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural length, at
+which the event ``is relaxed`` occurs. A ``release`` cuts the cable, whose mass remains;
+``release: {when: rope.tension > 5000}`` breaks it. An ``activate`` that is ``stress_free`` shifts its natural length so
+that it then has only its ``pretension``, as a cable that is hooked on.
 
 With ``mesh: n`` a cable named rope becomes the cables rope.1 ... rope.n between nodes rope.1 ... rope.(n-1), and
 sags and vibrates as a rope. If it is longer than the distance of its nodes, ``sag: [0, 0, -1]`` lets it start as the

@@ -21,13 +21,12 @@ stiffness EA and the damping time :math:`\tau`, the forces on all nodes follow f
 as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
 :math:`\varepsilon + \tau\dot\varepsilon` are positive, and its viscous tension is at most as large as the elastic one.
 The power given by a varying natural length is also that of a cable. The cable has no mass. With ``friction`` on pulleys
-and eyelets each span has its own tension (capstan friction). A ``release`` cuts the cable: it carries no force from
-then on, its elastic energy is lost, and its outputs are zero.
+and eyelets each span has its own tension (capstan friction). A ``release`` cuts the cable: its outputs are then zero.
 
-With ``activate`` the cable carries no force before that instant, and the surroundings give its elastic energy at that
-instant. Its natural length follows from the path at the start; with ``stress_free`` it follows from the path at the
-activation, where the tension is ``pretension``, and only the payout from then on is added. Arcs are counted from the
-start in both cases. Before the activation the nodes may be anywhere; where no path is possible, the outputs are zero.
+The natural length of a cable with ``activate`` follows from the path at the start; with ``stress_free`` it follows from
+the path at the activation, where the tension is ``pretension``, and only the payout from then on is added. Arcs are
+counted from the start in both cases. Before the activation the nodes may be anywhere; where no path is possible, the
+outputs are zero.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). Arcs at the start must be less than one turn. The run ends where the cable leaves

@@ -6,9 +6,8 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
    f_1 = -f_0 = N u
 
 N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time or a formula of signals: the
-set point of an elastic actuator, whose power :math:`-N\dot\ell_0` the surroundings give. With ``activate`` the spring
-exerts no force before that instant, and with ``stress_free`` its extension counts from that instant. A ``release``
-detaches it: from then on it exerts no force, and its elastic energy is lost.
+set point of an elastic actuator, whose power :math:`-N\dot\ell_0` the surroundings give. With a ``stress_free``
+activation the extension counts from that instant.
 """
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation

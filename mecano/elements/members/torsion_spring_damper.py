@@ -8,9 +8,8 @@ ends together:
 .. math::  M = M(\theta - \theta_0, \dot\theta - \dot\theta_0)
 
 The natural angle :math:`\theta_0` may be a law of time or a formula of signals: the set point of an elastic drive,
-whose power :math:`-M\dot\theta_0` the surroundings give. With ``activate`` the spring exerts no moment before that
-instant, and with ``stress_free`` its angle counts from that instant. A ``release`` detaches it: from then on it exerts
-no moment, and its elastic energy is lost.
+whose power :math:`-M\dot\theta_0` the surroundings give. With a ``stress_free`` activation the angle counts from that
+instant.
 """
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation

@@ -11,12 +11,12 @@ the carcass, with the stiffnesses K of the tyre law and a small damping:
 
     F.t = K_t (x + b_t (dx/dt)/V),   F.l = K_l (y + b_l (dy/dt)/V),   V = sqrt(V_x^2 + v_0^2)
 
-with the velocity V_x of the axle along t; v_0 is 1 m/s here, whatever the 'least_speed' of the law, and for a
-radius r < 0.1 m it is r per 0.1 s.
-Linearized with a slip stiffness C, the relaxation length is sigma = C/K + b. If the whole contact slides, or the force
-falls with the slip, the deflection settles over the distance b; without b, its rate would not be unique. The wheel
-loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, for any variation of
-the load. The force acts at the undeflected contact. Stiffnesses are those at the nominal load of a .tir file.
+with the velocity V_x of the axle along t; v_0 is 1 m/s here, whatever the 'least_speed' of the law, and for a radius
+r < 0.1 m it is r per 0.1 s. Linearized with a slip stiffness C, the relaxation length is sigma = C/K + b. If the whole
+contact slides, or the force falls with the slip, the deflection settles over the distance b; without b, its rate would
+not be unique. The wheel loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the
+rest, for any variation of the load. The force acts at the undeflected contact. Stiffnesses are those at the nominal
+load of a .tir file.
 
 With a torsional stiffness K_a of the tyre law the contact is also twisted by psi about n relative to the wheel. Its
 turn slip is that of the rate of the wheel plus dpsi/dt, and its moment about n is that of the carcass:
