@@ -1,8 +1,8 @@
 r"""Constant-velocity joint: both shafts turn at the same rate at any angle between them (Rzeppa, tripod).
 
 Both nodes share one position (Boolean identification: no multiplier). With the axes :math:`\mu_3` of the shaft of a and
-:math:`\xi_3` of that of b, the joint holds their *twist*, the part of the relative rotation beyond the
-smallest rotation from :math:`\mu_3` to :math:`\xi_3`:
+:math:`\xi_3` of that of b, the joint holds their *twist*, the part of the relative rotation beyond the smallest
+rotation from :math:`\mu_3` to :math:`\xi_3`:
 
 .. math::  \mu_2 \cdot \xi_1 - \mu_1 \cdot \xi_2 = 0
 

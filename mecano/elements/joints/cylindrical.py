@@ -8,10 +8,8 @@ The constants c_i are the initial values: the axis passes through node b. The mu
 :math:`+\mu_2` and :math:`-\mu_1`, then the forces on b along :math:`\mu_1` and :math:`\mu_2`; these axes are chosen as
 for the hinge, and the assembly rejects :math:`\xi_3 = -\mu_3`.
 
-Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
-rates. ``latch`` locks the sliding at a displacement; ``stops`` of it are rigid and may rebound
-(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` replaces rigid constraints by laws. The
-outputs force and moment include only what holds b; laws and friction have outputs of their own.
+``latch`` and ``stops`` act on the sliding. ``friction`` is driven by the four multipliers. The outputs force and moment
+include only what holds b; laws and friction have outputs of their own.
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius

@@ -1,8 +1,7 @@
 r"""Hinge: node b rotates about an axis that it shares with node a.
 
-Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` fixed in a,
-:math:`\xi_3` the axis fixed in b and :math:`\mu_3` the axis fixed in a (equations
-(11)-(17) of Cardona, Geradin & Doan 1991):
+Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` fixed in a, :math:`\mu_3`
+along the axis, and :math:`\xi_3` the axis fixed in b (equations (11)-(17) of Cardona, Geradin & Doan 1991):
 
 .. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0
 
@@ -10,9 +9,6 @@ The multiplier of the first is the moment on b about :math:`+\mu_2`, that of the
 equations also hold for :math:`\xi_3 = -\mu_3`: the assembly rejects that solution. :math:`\mu_1` is ``axis_1``, or the
 inertial axis initially most perpendicular to the axis, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
-Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
-``latch`` locks the hinge at an angle, ``lock`` while a condition is true; ``stops`` are rigid and may rebound; all
-exchange momentum at the instant at which they act (docs/shocks.md).
 ``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one
 multiplier, or the replacing law, for each axis. The outputs force and moment include only what holds b; law and
 friction have outputs of their own.

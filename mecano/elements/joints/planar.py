@@ -7,8 +7,6 @@ With :math:`\mu_3` the normal fixed in a and :math:`\xi_3` the one fixed in b:
 The constant c is the initial value: the plane passes through node b. The multipliers are the moments on b about
 :math:`+\mu_2` and :math:`-\mu_1`, then the force on b along the normal, of either sign: b cannot leave the plane. The
 axes in the plane are chosen as for the hinge, and the assembly rejects :math:`\xi_3 = -\mu_3`.
-
-Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
 
 from dataclasses import replace

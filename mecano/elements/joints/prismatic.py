@@ -8,11 +8,9 @@ relative rotation, each axis by a multiplier. With :math:`\mu_1, \mu_2` fixed in
 The constants c_i are the initial values: the line of sliding passes through node b. The multipliers are the forces on
 b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments follow from the balance of b.
 
-Options. ``sliding_law`` gives a force from the displacement and its rate. ``latch`` locks the joint at a
-displacement, ``lock`` while a condition is true; ``stops`` are rigid and may rebound (docs/shocks.md). ``friction``
-and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one multiplier, or
-the replacing law, for each axis. The outputs force and moment include only what holds b; law and friction have outputs
-of their own.
+``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one
+multiplier, or the replacing law, for each axis. The outputs force and moment include only what holds b; law and
+friction have outputs of their own.
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH

@@ -1,8 +1,7 @@
 r"""Screw: node b rotates about an axis fixed in node a and advances along it by the pitch in every turn.
 
-Node a is the nut and node b the screw, or the reverse.
-
-A cylindrical joint whose sliding s is coupled to its angle, with the pitch P (> 0 for a right-handed thread):
+Node a is the nut and node b the screw, or the reverse: a cylindrical joint whose sliding s is coupled to its angle,
+with the pitch P (> 0 for a right-handed thread):
 
 .. math::  s - \frac{P}{2\pi}\,\theta = 0
 
@@ -10,9 +9,8 @@ The axis is that of a and passes through node b; the axes across it are chosen a
 rejects :math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b
 along the axis; it is accompanied by the moment :math:`-P F/(2\pi)` about the axis.
 
-Options: ``friction`` gives the thread an efficiency in each direction of the power, also one that locks itself; its
-force and moment are added to the reactions. ``turning_law`` gives a moment about the axis from the angle and its rate;
-a ``latch`` and ``stops`` act at given displacements (docs/shocks.md).
+``friction`` gives the thread an efficiency in each direction of the power, also one that locks itself; its force and
+moment are added to the reactions. A ``latch`` and ``stops`` act at given displacements.
 """
 
 import math

@@ -1,15 +1,13 @@
 r"""Slider on a beam: a node is held on the axis of a line of beam elements and slides along it, past their nodes.
 
-Between two nodes at distance L of the undeformed beam, with its tangents :math:`t_j` fixed in the nodes,
-the axis is the cubic through positions and directions of both; this is the shape of an Euler beam element under
-loads at its nodes:
+Between two nodes at distance L of the undeformed beam, with its tangents :math:`t_j` fixed in the nodes, the axis is
+the cubic through positions and directions of both; this is the shape of an Euler beam element under loads at its nodes:
 
 .. math::  X(s) = H_0 x_j + L H_1\, R_j t_j + H_2\, x_{j+1} + L H_3\, R_{j+1} t_{j+1}, \qquad x - X(s) = 0
 
-s [m], the length of the undeformed beam up to the slider, is an additional unknown. The multipliers are the
-force on the slider; the equation of s states that it is normal to the axis: there is no friction. The opposite force
-acts on the beam, distributed to forces and moments at both nodes by the principle of virtual work, so that no energy is
-lost.
+s [m], the length of the undeformed beam up to the slider, is an additional unknown. The multipliers are the force on
+the slider; the equation of s states that it is normal to the axis: there is no friction. The opposite force acts on the
+beam, distributed to forces and moments at both nodes by the principle of virtual work, so that no energy is lost.
 
 Position and direction are continuous from one element to the next, the curvature jumps: the time integration locates
 that instant, ends a step there and restarts (the event ``passes``), which preserves its order. Directions are those of

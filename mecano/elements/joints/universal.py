@@ -6,11 +6,10 @@ Both nodes share one position. With :math:`\mu_3` the pin fixed in a and :math:`
 
 The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one that the cross transmits.
 
-Options. ``turning_law_a`` and ``turning_law_b`` give moments about the pins from their angles and rates. ``friction``
-acts at both pins, driven by the three multipliers that then hold the position, and by that of the cross.
-``compliance`` replaces rigid constraints by laws: along axis_b, axis_a x axis_b and axis_a, as fixed in a
-(1, 2, axis), and for the moment of the cross. The outputs force and moment include only what holds b; laws and friction
-have outputs of their own.
+``friction`` acts at both pins, driven by the three multipliers that then hold the position, and by that of the cross.
+``compliance`` replaces rigid constraints by laws: along axis_b, axis_a x axis_b and axis_a, as fixed in a (1, 2, axis),
+and for the moment of the cross. The outputs force and moment include only what holds b; laws and friction have outputs
+of their own.
 """
 
 from dataclasses import replace

@@ -9,10 +9,9 @@ With the input e, the control error,
    \dot x_I = K_I\, e + (y - u)/T_t, \qquad T_D\, \dot x_D = e - x_D
 
 The derivative is filtered with the time constant :math:`T_D`, from :math:`x_D = 0` at the start: an error there counts
-as a sudden one. At a limit the integral is reset with the tracking time
-:math:`T_t` (back-calculation; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5), so that the controller
-leaves the limit soon after the error changes its sign. A part without a gain has no state. Reaching and leaving a limit
-are events.
+as a sudden one. At a limit the integral is reset with the tracking time :math:`T_t` (back-calculation; Astrom &
+Hagglund, Advanced PID Control, 2006, section 3.5), so that the controller leaves the limit soon after the error changes
+its sign. A part without a gain has no state. Reaching and leaving a limit are events.
 """
 
 import math
