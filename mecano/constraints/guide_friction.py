@@ -1,8 +1,7 @@
 r"""Friction of a guide: force along the axis caused by the reactions of a prismatic or cylindrical joint.
 
-With the normal force N of the two ends of the guide and the drag
-:math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`, a prismatic joint, whose key at the radius :math:`r_k` carries the
-moment :math:`M_3` about the axis, has
+With the normal force N of the two ends of the guide and the drag :math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`,
+a prismatic joint, whose key at the radius :math:`r_k` carries the moment :math:`M_3` about the axis, has
 
 .. math::  P = (N + |M_3|/r_k)\, c(\dot s)
 

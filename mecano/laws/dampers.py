@@ -1,9 +1,8 @@
 r"""Nonlinear damper terms: polynomial and table of the rate, oil through orifices, dry friction.
 
-Oil of density :math:`\rho` forced by a piston of area A through an orifice of area :math:`A_o` causes the
-pressure :math:`p = \frac{\rho}{2} (A v / (C_d A_o))^2` (Bernoulli; Currey, Aircraft Landing Gear Design, 1988,
-chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A metering pin makes
-:math:`A_o` a function of the stroke.
+Oil of density :math:`\rho` forced by a piston of area A through an orifice of area :math:`A_o` causes the pressure
+:math:`p = \frac{\rho}{2} (A v / (C_d A_o))^2` (Bernoulli; Currey, Aircraft Landing Gear Design, 1988, chapter 5), hence
+the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A metering pin makes :math:`A_o` a function of the stroke.
 
 Dry friction, regularized after Oden & Martins (1985), is :math:`F = F_f\,\phi(|v|)\,\mathrm{sign}(v)` with
 :math:`\phi(s) = (s/\epsilon)(2 - s/\epsilon)` for :math:`s < \epsilon`, 1 beyond: C1 everywhere (Cardona, Geradin &

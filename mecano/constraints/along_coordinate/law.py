@@ -1,8 +1,7 @@
 """Load a coordinate c by a law: P(s, ds/dt) adds P times the gradient of c to the forces; s = c - n(t) - natural.
 
 P > 0 acts against increasing c. The set point n is a law of time or a signal; its power -P dn/dt is given by the
-surroundings.
-An angle is continued over whole turns with the memory of the last accepted step.
+surroundings. An angle is continued over whole turns with the memory of the last accepted step.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 r"""Rigid body: mass and inertia at one node.
 
-With x, R the node, c the centre of mass (node frame), :math:`J = J_C + m(c\cdot c\,I - c c^T)` the inertia
-about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`, all in the material frame:
+With x, R the node, c the centre of mass (node frame), :math:`J = J_C + m(c\cdot c\,I - c c^T)` the inertia about the
+node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`, all in the material frame:
 
 .. math::  f_x = m (a + R w - g), \qquad f_\Theta = J \alpha + \Omega \times J \Omega + m\, c \times R^T (a - g)
 

@@ -1,10 +1,9 @@
 r"""Beam: geometrically exact, shear-deformable, two nodes; initially straight, curved or twisted.
 
-Strains are those of a helix between the end sections, exact for rigid motions and independent of the path
-(Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, which avoids
-locking; inertia and weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements
-leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), to which other parts of the deck may refer. For its accuracy see
-docs/beams.md.
+Strains are those of a helix between the end sections, exact for rigid motions and independent of the path (Sonneville,
+Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, which avoids locking; inertia and
+weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements leg.1 ... leg.n between the
+nodes leg.1 ... leg.(n-1), to which other parts of the deck may refer. For its accuracy see docs/beams.md.
 
 Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. They follow
 an arc, and ``twist`` turns them about axis 1. Nodes may have any orientation. Section forces are those that the part

@@ -1,7 +1,6 @@
 r"""Bar and cable: an elastic line between two nodes; a cable carries tension only.
 
-With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffness EA and the damping time
-:math:`\tau`:
+With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffness EA and the damping time :math:`\tau`:
 
 .. math::  \varepsilon = \frac{\ell - L}{L}, \qquad N = EA\,(\varepsilon + \tau \dot\varepsilon), \qquad
    f_1 = -f_0 = N u, \qquad V = \tfrac12 EA\, L\, \varepsilon^2

@@ -1,8 +1,7 @@
 r"""Wheel that deforms radially and slips on the ground, at any lean and heading.
 
-Theory: section 3.3 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (27)-(46), here for leaning
-wheels too. With the axis a = R a0, the contact C = x + r c (n, q = |n - (n.a) a| and r taken at C),
-and the tyre law:
+Theory: section 3.3 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (27)-(46), here for leaning wheels too.
+With the axis a = R a0, the contact C = x + r c (n, q = |n - (n.a) a| and r taken at C), and the tyre law:
 
     radial deformation   w = radius - r                  dw/dt = -n.(v + omega x r c)/q
     normal force         N = F_r(w, dw/dt)/q             F_r acts in the plane of the wheel
