@@ -542,7 +542,7 @@ def test_a_box_falls_flush_with_a_wall(turning):
 
 @pytest.mark.parametrize(
     ("overlap", "later", "keeps"),
-    [(2e-9, 1e-9, True), (2e-9, 3e-9, False), (0.0, 1e-10, True), (0.0, 3e-9, False)],
+    [(2e-9, 1e-9, True), (2e-9, 3e-9, False), (0.0, 1e-10, True), (0.0, 3e-9, False), (-1e-15, 1e-10, True)],
 )
 def test_a_ball_that_lifts_off_keeps_its_phase_where_rounding_decides(overlap, later, keeps):
     """Ten times the tolerance of constraints are 2e-10 m here: a larger overlap counts, unless it shrinks."""

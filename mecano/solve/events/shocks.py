@@ -29,7 +29,7 @@ TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: impacts of contacts with a smaller gap are simultaneous, too
 CLOSE = 1e-6  # length scales, or rad: contacts with a smaller gap nearly touch
 STILL = 1e-10  # of the largest approach: a rate below this is zero
-STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step by an acceleration is rounding error
+STANDS = 1e-4  # of the gap within which contacts touch: a smaller gap, or change by an acceleration, is rounding error
 
 
 def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarray:
@@ -79,7 +79,7 @@ class Shocks:
         """
         if not self.impact_candidates.all:  # called in every step
             return g
-        candidates = self.impact_candidates.standing_open(g)
+        candidates = self.impact_candidates.standing_open(g + STANDS * self.touching)
         if not candidates:
             return g
         g = g.copy()
