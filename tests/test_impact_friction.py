@@ -285,6 +285,14 @@ def test_the_nearest_impulse_within_a_disc():
             np.testing.assert_allclose(gradient, -np.linalg.norm(gradient) * x / radius, atol=1e-8)
 
 
+@pytest.mark.parametrize(("of", "along"), [(1e-16, 1e-17), (-1e-17, -2e-17), (0.0, 1e-16)])
+def test_rounding_has_no_impulse_where_none_moves_a_contact(of, along):
+    """A body in planar motion, in axes turned by 0.3 rad: across the plane it neither moves nor yields."""
+    Q = np.array([[math.cos(0.3), -math.sin(0.3)], [math.sin(0.3), math.cos(0.3)]])
+    x = within_disc(np.array([of, 1.0]), Q, Q @ [along, 0.5], 1.0)
+    np.testing.assert_allclose(Q.T @ x, [0.0, -0.5], atol=1e-12)
+
+
 def test_a_disc_of_no_size_has_no_impulse():
     """Its radius is the friction of an impulse that has vanished: numbers do not overflow."""
     with np.errstate(all="raise"):

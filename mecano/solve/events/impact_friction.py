@@ -203,6 +203,8 @@ def within_disc(of: np.ndarray, Q: np.ndarray, c: np.ndarray, radius: float) -> 
     if radius <= TINY or not c.any():
         return np.zeros(2)
     d = Q.T @ c
+    if of[0] <= ROUNDING * of[1]:
+        d[0] = 0.0  # in a direction in which no impulse moves the contact, its velocity is rounding
     if of[0] > MASSLESS * of[1] and _norm(d / of) <= radius:
         return -Q @ (d / of)
     s = max(_norm(d) / radius - of[1], MASSLESS * of[1])
