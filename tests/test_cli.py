@@ -82,9 +82,13 @@ def started(folder, *arguments, **options):
 
 def loaded_by(*words):
     """Return the names of the modules that a command has loaded at its end."""
-    code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
-    ended = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
-    return set(ended.stdout.split())
+    return modules_of("import mecano.cli; mecano.cli.commands(standalone_mode=False)", *words)
+
+
+def modules_of(code, *words):
+    """Return the names of the modules that a program has loaded at its end."""
+    command = [sys.executable, "-c", f"import sys; {code}; print(*sys.modules)", *words]
+    return set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
 
 
 class TestHelp:
@@ -184,7 +188,7 @@ class TestRun:
         words = "run", INPUTS / f"{deck}.yaml", "-q", "--force", "-o", "short.h5", "--set", "time.end=0.01"
         loaded = loaded_by(*words)
         loaded = loaded_by(*words) if "mecano.jit.compiler" in loaded else loaded  # the first has compiled
-        assert not {"scipy", "numpy.ma", "secrets"} & loaded
+        assert not {"scipy", "numpy.ma", "secrets"} & (loaded - modules_of("import numpy"))  # that of 1.26 has some
         assert sum(name.startswith("mecano") for name in loaded) <= most
 
     def test_a_short_run_compiles_few_methods_of_dataclasses(self, folder):
@@ -229,10 +233,10 @@ class TestRun:
         output = CliRunner().invoke(commands, [file]).output
         assert f"No such command '{file}'. Did you mean 'mecano {command} {file}'?" in output
 
-    @pytest.mark.parametrize(("word", "meant"), [("report", "post --report"), ("help", "--help"), ("runn", "run")])
+    @pytest.mark.parametrize(("word", "meant"), [("report", "post --report"), ("help", "--help")])
     def test_other_names_of_commands_are_answered(self, word, meant):
         output = CliRunner().invoke(commands, [word]).output
-        assert re.search(f"No such command '{word}'. Did you mean '(mecano )?{meant}'", output)
+        assert f"No such command '{word}'. Did you mean 'mecano {meant}'?" in output
 
     def test_no_file_is_overwritten_without_force(self, call, folder):
         (folder / "deck.h5").write_text("precious")

@@ -73,11 +73,11 @@ def contradicting(system: System, s: "State", length: float, phi: np.ndarray) ->
 
 def _least_norm(A, b):
     """Return the least-squares solution (n,) of least norm of A x = b, A (m, n) sparse, by its independent parts."""
-    from scipy.sparse import block_array
+    from scipy.sparse import bmat
     from scipy.sparse.csgraph import connected_components
 
     m, n = A.shape
-    count, part = connected_components(block_array([[None, A], [A.T, None]]), directed=False)
+    count, part = connected_components(bmat([[None, A], [A.T, None]]), directed=False)
     order = np.argsort(part, kind="stable")
     x, A = np.zeros(n), A.tocsr()
     for own in np.split(order, np.cumsum(np.bincount(part, minlength=count))[:-1]):

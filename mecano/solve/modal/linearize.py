@@ -197,8 +197,7 @@ def _acting(system, matrices):
     """Return (n,) bool: unknowns except signals that only measure, such as an inertial component in turning axes."""
     counts = np.ones(system.n, bool)
     read = sum(abs(A) for A in matrices).tocsr()
-    read.setdiag(0.0)
-    read.eliminate_zeros()
+    read -= sp.diags(read.diagonal())
     signals = np.flatnonzero(system.signals)
     while len(signals):
         unread = signals[np.asarray(read[counts][:, signals].sum(axis=0)).ravel() == 0.0]
