@@ -262,6 +262,14 @@ def test_noise_beside_a_signal_is_not_shown(runs):
     )
 
 
+@pytest.mark.parametrize(("size", "over"), [(1e-19, "time"), (1e-3, "nodes/tip/position.x")])
+def test_a_curve_over_noise_is_drawn_over_time(runs, size, over):
+    (x,), (y,) = find(runs[0].results, "tip.position.x"), find(runs[0].results, "tip.position.z")
+    x = replace(x, values=size * np.sin(np.arange(len(x.time))))
+    (panel,) = worth_showing([Panel("position z", (Curve(x, y, 0, "tip"),))], runs)
+    assert panel.curves[0].x.path == over
+
+
 @pytest.mark.parametrize("unit", ["rad", "deg"])
 def test_angles_of_rounding_errors_are_not_shown(runs, unit):
     """Also not those of a signal, for which its deck declares degrees."""

@@ -56,7 +56,10 @@ def _by_size(panel):
 
 
 def worth_showing(panels: Sequence[Panel], runs: Sequence[Run]) -> list[Panel]:
-    """Return the panels without curves that are noise compared with others or with the whole motion."""
+    """Return the panels without curves that are noise compared with others or with the whole motion.
+
+    Curves over outputs that are noise become curves over time.
+    """
     scale: dict[str, float] = {}  # by unit
     for unit, value in (item for run in runs for item in run.scales.items()):
         scale[unit] = max(scale.get(unit, 0.0), value)
@@ -73,6 +76,8 @@ def worth_showing(panels: Sequence[Panel], runs: Sequence[Run]) -> list[Panel]:
     for panel in panels:
         curves = tuple(c for c in panel.curves if largest(c.y.values) > least[c.y.unit])
         if any(not curve.reference for curve in curves):
+            if all(largest(curve.x.values) <= least.get(curve.x.unit, 0.0) for curve in curves):
+                curves = tuple(replace(curve, x=time_of(curve.y)) for curve in curves)
             kept.append(replace(panel, curves=curves))
     return kept
 
