@@ -1,4 +1,4 @@
-"""Warnings about the bearings of wheels: axes that are not those of the wheels, wheels without a bearing."""
+"""Warnings about the bearings and bodies of wheels: axes that are not those of the wheels, wheels without a bearing."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -10,10 +10,15 @@ from mecano.deck.turning_axes import are_parallel, bodies, listed, turning_toget
 from mecano.element_interface import SECTIONS, Kind
 from mecano.element_interface.kind import FREELY
 from mecano.errors import LocatedWarning
+from mecano.maths.inertia import inertia_matrix
+from mecano.maths.so3 import exp
+from mecano.maths.vector import Vec3
 from mecano.model.model import GROUND
 from mecano.schema import Values
 
 APART = 0.2  # sine of the angle between the axes of a wheel and of its bearing; toe and camber turn both
+SKEWED = 0.1  # the same between the axes of a wheel and of its body: toe and camber of smaller angles wobble little
+ROUND, FLAT = 1e-6, 0.01  # of the largest moment of inertia: differences in a body of revolution, and from a ball
 
 
 def misplaced_bearings(values: Values, kinds: Mapping[str, Kind]) -> Iterator[LocatedWarning]:
@@ -21,6 +26,7 @@ def misplaced_bearings(values: Values, kinds: Mapping[str, Kind]) -> Iterator[Lo
     wheels = _wheels(values, kinds)
     yield from _beside(values, kinds, wheels)
     yield from _held(values, kinds, wheels)
+    yield from _skewed(values, wheels)
     around = {name: _at_node(values, kinds, node, name) for name, (node, _) in wheels.items()}
     for name, (node, axis) in wheels.items():
         if not around[name] and (values["joints"] or any(around.values())):
@@ -65,6 +71,28 @@ def _held(values, kinds, wheels):
         if body([node]) == body([GROUND]) and not locked:
             text = f"its node '{node}' cannot turn, so the wheel slides; is a hinge about {listed(axis)} missing?"
             yield ("elements", name), f"{values['elements'][name]['type']} '{name}': {text}"
+
+
+def _skewed(values, wheels):
+    """Yield (path, text) on bodies of revolution that wobble on a wheel, because their node has not its orientation."""
+    spinning = {node: (wheel, axis) for wheel, (node, axis) in wheels.items()}
+    for name, d in values["elements"].items():
+        if d["type"] != "rigid_body" or d["node"] not in spinning:
+            continue
+        wheel, axis = spinning[d["node"]]
+        own = _axis_of_revolution(inertia_matrix(d["inertia"]))
+        own = own and exp(Vec3(*values["nodes"][d["node"]]["orientation"])) @ own
+        if own is not None and not are_parallel(axis, own, SKEWED):
+            axes = f"the body of revolution has the axis {listed(own)}, and wheel '{wheel}' {listed(axis)}: it wobbles"
+            remedy = f"'inertia' is in the axes of node '{d['node']}', whose 'orientation' may be that of the wheel"
+            yield ("elements", name, "inertia"), f"rigid_body '{name}': {axes} as it spins; {remedy}"
+
+
+def _axis_of_revolution(inertia):
+    """Return the axis about which an inertia (3, 3) is that of a body of revolution; None for others and for balls."""
+    moments, axes = np.linalg.eigh(inertia)
+    low, high = np.diff(moments) / moments[2]
+    return Vec3(*axes[:, 0 if low > high else 2]) if min(low, high) <= ROUND and max(low, high) > FLAT else None
 
 
 def _wheels(values, kinds):
