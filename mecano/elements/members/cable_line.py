@@ -49,7 +49,7 @@ def _check_sag(d, nodes):
     length, apart = _length(d), distance(nodes)
     if length is None or length <= LONGER * apart:
         return [f"a cable with 'sag' needs a 'natural_length' greater than {apart:.6g} m, the distance of its nodes"]
-    if _across(d, nodes)[1] < FOLDED * length:
+    if _directions(d, nodes)[3] < FOLDED * length:
         return ["'sag' must not point along the line of its nodes, along which the cable would hang in a fold"]
     if _chain(d, nodes) is None:
         return [f"{d['mesh']} elements cannot hang between its nodes, all of them taut: give it a finer 'mesh'"]
@@ -77,12 +77,14 @@ def _length(d):
     return sum(values["value"] for _, values in terms) if terms else None
 
 
-def _across(d, nodes):
-    """Return the unit vector upwards, the distance h [m] of the ends across it, its unit vector, and v [m] along it."""
+def _directions(d, nodes):
+    """Return the unit vectors upwards and across, in the plane of the ends, and the distances v, h [m] along them."""
     up = -np.asarray(d["sag"]) / np.linalg.norm(d["sag"])
     line = np.subtract(nodes[1][0], nodes[0][0])
-    across = line - (v := line @ up) * up
-    return up, (h := float(np.linalg.norm(across))), across / max(h, 1e-300), v
+    v = float(line @ up)
+    across = line - v * up
+    h = float(np.linalg.norm(across))
+    return up, across / (h or 1.0), v, h
 
 
 def _chain(d, nodes):
@@ -91,26 +93,24 @@ def _chain(d, nodes):
     H and V are found by Newton's method from those of the catenary, with steps that are shortened until phi decreases.
     """
     n, L = d["mesh"], _length(d)
-    up, h, along, v = _across(d, nodes)
+    up, across, v, h = _directions(d, nodes)
     i, ends = np.arange(n), np.array([h, v]) / L
     half = _half_width(np.sqrt(L * L - v * v) / h)
     first, last = np.sinh(np.arctanh(v / L) + np.array([-half, half]))
-    force = n / (last - first) * np.array([1.0, first]) + [0.0, 0.5]  # of the catenary
+    force = n / (last - first) * np.array([1.0, first]) + [0.0, 0.5]
     for _ in range(ITERATIONS):
         if force[0] <= LEAST * n:
             break
         phi, c, s, r = _forces(force, i, ends)
         slope = np.array([c.mean(), s.mean()]) - ends
         if np.abs(slope).max() <= SOLVED:
-            return (np.outer(c, along) + np.outer(s, up)) * L / n
-        curvature = np.array([[np.mean(s * s / r), -np.mean(s * c / r)], [0.0, np.mean(c * c / r)]])
-        curvature[1, 0] = curvature[0, 1]
-        step, share = np.linalg.solve(curvature, -slope), 1.0
-        while force[0] + share * step[0] <= 0.0 or _forces(force + share * step, i, ends)[0] > phi + (
-            ENOUGH * share * (slope @ step) + ROUNDING * r.mean()
-        ):
-            share *= 0.5
-        force = force + share * step
+            return (np.outer(c, across) + np.outer(s, up)) * L / n
+        xx, xy, yy = np.mean(s * s / r), -np.mean(s * c / r), np.mean(c * c / r)
+        step = -np.linalg.solve([[xx, xy], [xy, yy]], slope)
+        gain, rounding = ENOUGH * (slope @ step), ROUNDING * r.mean()
+        while force[0] + step[0] <= 0.0 or _forces(force + step, i, ends)[0] > phi + gain + rounding:
+            step, gain = 0.5 * step, 0.5 * gain
+        force = force + step
     return None
 
 
