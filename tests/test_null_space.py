@@ -117,7 +117,7 @@ def test_the_work_grows_with_the_size_of_a_mast_of_scissors():
     for cells in (25, 100):
         prepared = prepare(scissors(cells))
         analysis, of = prepared.analysis, prepared.system.numbering
-        said = summary_of(prepared)
+        said, _ = summary_of(prepared)
         assert "mobility         1\n" in said and f"redundant        {3 * cells - 3} constraint(s)\n" in said
         (mechanism,) = analysis.mechanisms
         assert mechanism.count == 1 and len(mechanism.names) == 7 * cells + 1
