@@ -40,6 +40,35 @@ def place(base, name):
     return base.state.z[x : x + 3]
 
 
+@pytest.mark.parametrize("start", [0.15, 0.9, 1.2])
+def test_a_bead_slides_past_the_nodes_of_a_turning_hoop(start, verify):
+    """On the stiff hoop of radius 1 m that turns about its vertical diameter the bead rests at cos(a) = g/w^2 = 1/2."""
+    x, w, d = np.sin(start), np.sqrt(2.0 * 9.81), np.sqrt(0.5)
+    base = operating_point(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        sections: {{s: {{type: circle, diameter: 50 mm, E: 2.0e11, nu: 0.3, density: 100}}}}
+        nodes:
+          low: {{position: [0, 0, -1]}}
+          end: {{position: [1, 0, 0]}}
+          bead: {{position: [{x}, 0, {-np.cos(start)}]}}
+        elements:
+          hoop: {{type: beam, nodes: [low, end], section: s, via: [{d}, 0, {-d}], mesh: 12}}
+          bead: {{type: point_mass, node: bead, mass: 0.01}}
+        joints:
+          axle: {{type: hinge, nodes: [ground, low], axis: [0, 0, 1]}}
+          motor: {{type: prescribed_angle, nodes: [ground, low], axis: [0, 0, 1], rate: {w}}}
+          sliding: {{type: slider_on_beam, node: bead, line: hoop}}
+        initial: {{steady: {{angular_velocity: [0, 0, {w}], about: [0, 0, 0]}}}}
+        time: {{end: 1, step: 1 ms}}
+        """)
+    )
+    x, y, z = place(base, "bead")
+    what = f"bead on a turning hoop of 12 beams, from {start} rad: angle [rad]"
+    verify(S, what, np.arctan2(np.hypot(x, y), -z), np.pi / 3.0, "cos a = g/(w^2 r)", absolute=1e-4)
+
+
 def test_a_stiff_skipping_rope_is_relaxed(verify):
     """An inextensible rope of the length 1.5 m with its ends on the axis: T x' = H, (T y')' = -m w^2 y along it.
 

@@ -118,6 +118,16 @@ class EventMonitor:
         self.system.follow(phases)
         return replace(s, phases=phases), event_records
 
+    def passed(self, s: State, hit: np.ndarray) -> State:
+        """Return the state with new memories of elements with events ``hit`` within a phase, as of passing sliders."""
+        if not self.within_a_phase(hit):
+            return s
+        events, memory = hit & self.within, []
+        for batch in self.system.batches:
+            memory.append(np.repeat(batch.events(events).any(axis=1), len(batch.kind.memory)))
+        memory.append(np.zeros(int(self.system.states.sum()), bool))
+        return replace(s, memory=np.where(np.concatenate(memory), self.system.commit(s), s.memory))
+
     def entered(self, s: State, element: str, name: str, before: str, after: str) -> State:
         """Return the state after the event ``name`` of an ``element``, if the element is in the phase before it."""
         phases = s.phases.copy()
@@ -139,7 +149,7 @@ class EventMonitor:
             hit = self.values(solve_signals(self.system, s)) > least
             if not hit.any():
                 break
-            s, _ = self.apply(s, hit)
+            s, _ = self.apply(self.passed(s, hit), hit)
         return s
 
     def due(self, s: State) -> np.ndarray:

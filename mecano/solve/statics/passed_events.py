@@ -30,21 +30,13 @@ def apply_events(statics: "Statics", s: "State", s0: "State", hit: np.ndarray) -
     for i in np.flatnonzero(hit):
         one = np.zeros_like(hit)
         one[i] = True
-        phases, within = after.phases, statics.monitor.within[i]
-        after, found = statics.monitor.apply(after, one)
+        phases = after.phases
+        after, found = statics.monitor.apply(statics.monitor.passed(after, one), one)
         records += found
-        held = _memory_of(statics.system, _having(statics.system, one) if within else after.phases != phases)
-        if held.any() and (place := s if within else _place(statics, s, s0, i)) is not None:
+        held = _memory_of(statics.system, after.phases != phases)
+        if held.any() and (place := _place(statics, s, s0, i)) is not None:
             after = replace(after, memory=np.where(held, statics.system.commit(place), after.memory))
     return after, records
-
-
-def _having(system, events):
-    """Return (n_phases,) bool: elements that have one of the ``events`` (n_events,) bool."""
-    found = np.zeros(sum(len(batch.names) for batch in system.batches), bool)
-    for batch in system.batches:
-        found[batch.phases] = batch.events(events).any(axis=1)
-    return found
 
 
 def _memory_of(system, elements):
