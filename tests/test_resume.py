@@ -451,6 +451,7 @@ class TestInterruption:
                 raise SystemError("returned a result with an exception set") from stopped
         assert stopped_by(error.value).exit_code == 143 and stopped_by(ValueError()) is None
 
+    @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # pytest 8.0 has a hook of its own
     def test_one_that_a_destructor_loses_counts_all_the_same(self, listening, capsys):
         class Dying:
             def __del__(self):

@@ -185,7 +185,7 @@ def _draw_body(ax, points, colour, opacity):
 def _draw_rods(ax, rods, opacity):
     """Draw all rods as one collection, as separate lines take a millisecond each."""
     if rods:
-        lines, drawn = zip(*rods, strict=True)
+        lines, drawn = map(list, zip(*rods, strict=True))  # two colours in a tuple are one colour and its opacity
         ax.add_collection(LineCollection(lines, colors=drawn, alpha=opacity, linewidths=1.4, capstyle="projecting",
                                          joinstyle="round", zorder=3))  # fmt: skip
 
