@@ -40,6 +40,41 @@ def place(base, name):
     return base.state.z[x : x + 3]
 
 
+def arm_between_stops(speed):
+    """Return an OperatingPoint of an arm of 0.3 m that hangs at 0.3 rad on its lower stop; the upper one is at 1.1."""
+    x, z = 0.3 * np.sin(0.3), -0.3 * np.cos(0.3)
+    return operating_point(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{shaft: {{position: [0, 0, 0]}}, arm: {{position: [0, 0, 0]}},
+                 tip: {{position: [{x}, 0, {z}]}}}}
+        elements:
+          shaft: {{type: rigid_body, node: shaft, mass: 1, inertia: [1, 1, 1]}}
+          arm: {{type: rigid_body, node: arm, mass: 2, center_of_mass: [{x}, 0, {z}], inertia: [1.0e-6, 1.0e-6, 1.0e-6],
+            attached: [tip]}}
+        joints:
+          axle: {{type: hinge, nodes: [ground, shaft], axis: [0, 0, 1]}}
+          motor: {{type: prescribed_angle, nodes: [ground, shaft], axis: [0, 0, 1], rate: {speed}}}
+          pin: {{type: hinge, nodes: [shaft, arm], axis: [0, -1, 0], stops: {{lower: 0, upper: 0.8}}}}
+        initial: {{steady: {{angular_velocity: [0, 0, {speed}], about: [0, 0, 0]}}}}
+        time: {{end: 1, step: 1 ms}}
+        """)
+    )
+
+
+def test_an_arm_stays_on_its_stop():
+    x, y, z = place(arm_between_stops(4.0), "tip")
+    assert np.arctan2(np.hypot(x, y), -z) == pytest.approx(0.3, abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [7.0, 12.0])
+def test_an_arm_that_its_stop_would_have_to_pull_is_refused(speed):
+    """In steady rotation it is between its stops, or on the upper one."""
+    with pytest.raises(ConvergenceError, match=r"do not settle: hinge 'pin' \(leaves lower stop\)"):
+        arm_between_stops(speed)
+
+
 @pytest.mark.parametrize("start", [0.15, 0.9, 1.2])
 def test_a_bead_slides_past_the_nodes_of_a_turning_hoop(start, verify):
     """On the stiff hoop of radius 1 m that turns about its vertical diameter the bead rests at cos(a) = g/w^2 = 1/2."""

@@ -60,7 +60,7 @@ class _Vehicle:
         self.steady, self.start, self.system = steady, start, system
         self.free = np.unique(of.x[of.x < steady.n_q])[:, None] + np.arange(3)
         self.rotations = [r for r, d in enumerate(of.rotation_dof) if d < steady.n_q]
-        self.centre = start.z[self.free].mean(axis=0)
+        self.centre = start.z[self.free].mean(axis=0) if self.free.size else np.zeros(3)
         self.down = system.context.gravity / np.linalg.norm(system.context.gravity)
         across = np.eye(3)[np.argmin(np.abs(self.down))]
         self.axes = np.linalg.qr(np.column_stack([self.down, across, np.cross(self.down, across)]))[0][:, 1:].T

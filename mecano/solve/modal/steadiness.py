@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.solve.modal.steady import Steady
 
-STEADY = 1e-6  # of the speed: largest rate of a constraint
+STEADY = 1e-6  # of the speed: largest rate of a constraint, and event value [m, N or N m] over the length scale
 OF_RATES = "; for a drive whose rate is a signal, an 'initial' value of its integrator near the rate in steady motion"
 
 
@@ -28,6 +28,13 @@ def require_steady(steady: "Steady", s: "State", arrived: bool) -> None:
             f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
             f"{worst}{motion.cause_of_imbalance(steady, s, at)}\nwhat to try: {motion.remedy}"
             + (OF_RATES if any(batch.kind.inputs == ("rate",) for batch in system.batches) else "")
+        )
+    unsettled = steady.monitor.values(s) > STEADY * steady.length
+    if unsettled.any():
+        events = [f"{event.element} ({event.name})" for event in steady.monitor.apply(s, unsettled)[1]]
+        raise ConvergenceError(
+            f"{text}: stops or contacts do not settle: {', '.join(events)}\n"
+            "what to try: initial positions in which they are open or closed as in the steady motion"
         )
     off = np.abs(at.rates) / steady.speed
     if off.max(initial=0.0) > STEADY:
