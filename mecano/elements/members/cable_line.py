@@ -1,9 +1,9 @@
 r"""Division of a cable into elements: straight, or along the chain in which it hangs.
 
-A chain of n equal straight elements, of the length L in all, hangs in the plane of its ends and of a direction
-downwards. The horizontal force is the same in all elements, and the vertical one grows by the weight of an element from
-one to the next. With H and V, the components of the force in the first element over that weight, and the distances h
-and v of the ends across and against the direction, H and V minimize the convex function
+A chain of n equal straight elements, just taut and of the length L in all, hangs in the plane of its ends and of a
+direction downwards. The horizontal force is the same in all elements, and the vertical one grows by the weight of an
+element from one to the next. With H and V, the components of the force in the first element over that weight, and the
+distances h and v of the ends across and against the direction, H and V minimize the convex function
 
 .. math::  \varphi(H, V) = \frac1n \sum_i \sqrt{H^2 + (V + i)^2} - \frac{H h + V v}{L}, \qquad i = 0 \dots n - 1.
 """
@@ -16,6 +16,7 @@ from mecano.laws.law_table import terms_of
 from mecano.schema import DIRECTION, INTEGER, Field, requirement
 
 MOST_ELEMENTS = 10_000
+TAUT = 1.0 + 1e-6  # length of an element over its natural length: at 1 it would become taut or slack at once
 LONGER = 1.0 + 1e-6  # least natural length over the distance of the ends
 FOLDED = 1e-2  # of the length: distance of the ends across 'sag' below which the elements hang in a fold
 ITERATIONS, SOLVED = 50, 1e-13  # of the length
@@ -92,7 +93,7 @@ def _chain(d, nodes):
 
     H and V are found by Newton's method from those of the catenary, with steps that are shortened until phi decreases.
     """
-    n, L = d["mesh"], _length(d)
+    n, L = d["mesh"], TAUT * _length(d)
     up, across, v, h = _directions(d, nodes)
     i, ends = np.arange(n), np.array([h, v]) / L
     half = _half_width(np.sqrt(L * L - v * v) / h)
