@@ -73,6 +73,7 @@ from mecano.laws.law_table import terms_of
 from mecano.laws.probe import curve_at
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
+_BOTH = __doc__.partition("\n\n")[2]  # the page without its heading
 STRETCHED = 0.5  # strain
 VANISHING = 1e3  # strain: of a natural length that has fallen to zero
 
@@ -283,7 +284,7 @@ def _of_length(kind, functions):
 
 _BAR = Kind(
     name="bar", section="elements",
-    doc="Bar: an elastic line between two nodes that carries tension and compression.\n\n" + __doc__,
+    doc=f"Bar: an elastic line between two nodes that carries tension and compression.\n\n{_BOTH}",
     display=Display("cable", pictures=("cables",), axial="tension"), dtype=record(**LINE_RECORD), layout=("x0", "x1"),
     fields=FIELDS,
     outputs=OUTPUTS,
@@ -304,7 +305,7 @@ _BAR = Kind(
 _TENSION_ONLY = replace(
     _BAR,
     name="cable",
-    doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
+    doc=f"Cable: an elastic line between two nodes that carries tension only.\n\n{_BOTH}",
     fields=(*FIELDS, *DIVISION, *WINDER_FIELDS),
     outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
     phases=PHASES,
